@@ -1,0 +1,113 @@
+# dm2: discrete element modelling on a cluster of workstations.
+# `make` builds the five programs into bin/, `make test` runs every test, `make help` lists the rest.
+
+FLAVOUR ?= release
+PREFIX  ?= /usr/local
+DESTDIR ?=
+ifeq ($(origin CC),default)
+CC      := gcc
+endif
+
+# What every object needs, whatever the user asks for: IEEE arithmetic without contraction is part of
+# the promise of the same bits (docs/architecture.md).
+DM2_CFLAGS := -std=c11 -D_POSIX_C_SOURCE=200809L -Iinclude -ffp-contract=off -fno-math-errno -MMD -MP
+WARN := -Wall -Wextra -Wpedantic -Wshadow -Wvla -Wstrict-prototypes -Wmissing-prototypes \
+        -Wwrite-strings -Wconversion -Wno-sign-conversion -Wundef -Wpointer-arith
+WERROR ?=
+LDLIBS := -lm
+
+ifeq ($(FLAVOUR),release)
+CFLAGS ?= -O3 -g
+else ifeq ($(FLAVOUR),debug)
+CFLAGS ?= -O1 -g3
+DM2_CFLAGS += -DDM2_DEBUG
+else ifeq ($(FLAVOUR),asan)
+CFLAGS ?= -O1 -g3
+DM2_CFLAGS += -DDM2_DEBUG -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+LDSAN := -fsanitize=address,undefined
+else ifeq ($(FLAVOUR),tsan)
+CFLAGS ?= -O1 -g3
+DM2_CFLAGS += -fsanitize=thread
+LDSAN := -fsanitize=thread
+else
+$(error FLAVOUR is one of release debug asan tsan, not '$(FLAVOUR)')
+endif
+
+ifneq ($(V),1)
+Q := @
+endif
+
+BUILD    := build/$(FLAVOUR)
+# Only the release flavour fills bin/; the others keep their programs beside their objects.
+BIN      ?= $(if $(filter release,$(FLAVOUR)),bin,$(BUILD)/bin)
+LAYERS   := base sim net dist model plot
+LIB_SRC  := $(foreach l,$(LAYERS),$(wildcard src/$(l)/*.c))
+LIB_OBJ  := $(LIB_SRC:%.c=$(BUILD)/%.o)
+APP_SRC  := $(wildcard src/app/*.c)
+PROGRAMS := $(patsubst src/app/%.c,$(BIN)/%,$(filter src/app/dm2-%.c,$(APP_SRC)))
+APP_OBJ  := $(patsubst %.c,$(BUILD)/%.o,$(filter-out src/app/dm2-%.c,$(APP_SRC)))
+TEST_SRC := $(wildcard tests/unit/test_*.c)
+TESTS    := $(TEST_SRC:tests/unit/%.c=$(BUILD)/tests/%)
+TOOL_SRC := $(wildcard tests/tools/*.c)
+TOOLS    := $(TOOL_SRC:tests/tools/%.c=$(BUILD)/tools/%)
+
+.PHONY: all tests test bench figures demo install uninstall clean help FORCE
+.SUFFIXES:
+.SECONDARY:
+
+all: $(PROGRAMS)
+
+tests: $(TESTS) $(TOOLS)
+
+test: all tests
+	$(Q)DM2_BIN=$(abspath $(BIN)) DM2_BUILD=$(abspath $(BUILD)) FLAVOUR=$(FLAVOUR) sh tests/run.sh $(TESTFLAGS)
+
+# A changed compiler or flag rebuilds everything.
+FLAGS_NOW := $(CC) $(CFLAGS) $(DM2_CFLAGS) $(WARN) $(WERROR) $(LDFLAGS)
+$(BUILD)/flags: FORCE
+	$(Q)mkdir -p $(@D); echo '$(FLAGS_NOW)' | cmp -s - $@ || echo '$(FLAGS_NOW)' > $@
+
+$(BUILD)/%.o: %.c $(BUILD)/flags
+	$(Q)mkdir -p $(@D)
+	$(if $(Q),@echo "  CC   $<")
+	$(Q)$(CC) $(DM2_CFLAGS) $(WARN) $(WERROR) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
+
+$(BUILD)/libdm2.a: $(LIB_OBJ) $(APP_OBJ)
+	$(Q)rm -f $@; ar rcs $@ $^
+
+$(BIN)/%: $(BUILD)/src/app/%.o $(BUILD)/libdm2.a
+	$(Q)mkdir -p $(@D)
+	$(if $(Q),@echo "  LINK $@")
+	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+
+$(BUILD)/tests/%: $(BUILD)/tests/unit/%.o $(BUILD)/libdm2.a
+	$(Q)mkdir -p $(@D)
+	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+
+$(BUILD)/tools/%: $(BUILD)/tests/tools/%.o $(BUILD)/libdm2.a
+	$(Q)mkdir -p $(@D)
+	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+
+$(BUILD)/tests/unit/%.o: DM2_CFLAGS += -Itests/unit
+
+-include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
+
+install: all
+	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/share/dm2/input
+	install -m 755 $(PROGRAMS) $(DESTDIR)$(PREFIX)/bin
+	cp -R input/. $(DESTDIR)$(PREFIX)/share/dm2/input
+
+uninstall:
+	rm -f $(patsubst $(BIN)/%,$(DESTDIR)$(PREFIX)/bin/%,$(PROGRAMS))
+	rm -rf $(DESTDIR)$(PREFIX)/share/dm2
+
+clean:
+	rm -rf build bin
+
+help:
+	@echo 'make               the programs, into bin/'
+	@echo 'make test          every test; TESTFLAGS="-L unit" or "-R regex" picks some'
+	@echo 'make demo          the plate impact on 4 local servers, with its picture'
+	@echo 'make install       into PREFIX (/usr/local), below DESTDIR; make uninstall'
+	@echo 'make clean         removes build/ and bin/'
+	@echo 'FLAVOUR=release|debug|asan|tsan   CC=gcc|clang   CFLAGS=...   V=1'

@@ -1,0 +1,18 @@
+/* Overflow-checked allocation. Nothing here aborts: NULL means "no memory" or "size overflow". */
+#ifndef DM2_BASE_MEM_H
+#define DM2_BASE_MEM_H
+
+#include <stddef.h>
+
+/* count * size bytes, zeroed, aligned for any type; NULL on overflow or lack of memory. count = 0
+ * gives a valid pointer. Free with free(). */
+void *mem_zalloc(size_t count, size_t size);
+
+/* The same, not zeroed and aligned to 64 bytes (a cache line). Free with free(). */
+void *mem_alloc(size_t count, size_t size);
+
+/* Makes *block hold at least `need` items of `size` bytes, keeping the first `used` items. *cap is the
+ * capacity in items and grows geometrically. Returns 0, or -1 with *block and *cap as they were. */
+int mem_grow(void **block, size_t *cap, size_t used, size_t need, size_t size);
+
+#endif

@@ -1,0 +1,136 @@
+/* What a deck says, in base units, checked but not yet worked out.
+ *
+ * `deck_load` (dm2/sim/deck.h) fills a struct config; `model_build` (dm2/sim/model.h) turns it into the
+ * tables that the engine computes with. Base units: cm, g, us, K; so velocity cm/us, stress Mbar,
+ * energy g cm2/us2 (1e5 J). The model is two-dimensional with a depth of h = 1 cm.
+ *
+ * A double that the deck did not set is NaN where the comment says "NaN: ...". */
+#ifndef DM2_SIM_CONFIG_H
+#define DM2_SIM_CONFIG_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum { NAME_MAX_LENGTH = 31, PROBE_MAX = 8, MIX_MAX = 4, POLYGON_MAX = 64 };
+typedef char name_text[NAME_MAX_LENGTH + 1];
+
+enum potential_kind { POTENTIAL_QUADRATIC, POTENTIAL_MORSE, POTENTIAL_LENNARD_JONES };
+enum calibration_kind { CALIBRATION_UNIAXIAL, CALIBRATION_BULK };
+enum scope_kind { SCOPE_LINKED, SCOPE_ALL };
+enum search_kind { SEARCH_CELLS_AND_LISTS, SEARCH_LISTS, SEARCH_CELLS };
+enum balance_kind { BALANCE_SPACE, BALANCE_PARTICLES };
+enum lattice_kind { LATTICE_HEXAGONAL, LATTICE_SQUARE };
+enum shape_kind { SHAPE_RECTANGLE, SHAPE_DISC, SHAPE_POLYGON };
+
+/* material NAME { ... } */
+struct material_config {
+    name_text name;
+    double rho0;      /* density, g/cm3; NaN: `mass` is given instead */
+    double mass;      /* mass of one element, g; NaN: from rho0 and the radius */
+    double c0;        /* bulk sound speed of Us = c0 + s up, cm/us; NaN: interaction gives k or epsilon */
+    double s;         /* slope of Us = c0 + s up */
+    double shear;     /* shear modulus G, Mbar; NaN: no shear stiffness from the material */
+    double yield;     /* yield stress in shear Y, Mbar; NaN: elastic without limit */
+    double tensile;   /* tensile strength Yt0, Mbar; NaN: links only break at link_break */
+    double softening; /* exponent n of Yt(T), default 1 */
+    double t0;        /* reference temperature T0, K, default 300 */
+    double tm;        /* melting temperature, K; NaN: no softening with temperature */
+    double cp;        /* heat capacity, cm2/us2/K; NaN: heat is counted but T stays */
+    double kappa;     /* conductivity, g cm/us3/K; 0 by default */
+};
+
+/* What a pair of elements does to each other; resolved for two materials and a relation. */
+struct interaction_config {
+    enum potential_kind potential;     /* default Morse */
+    enum calibration_kind calibration; /* default uniaxial */
+    enum scope_kind scope;             /* default linked */
+    double k;                          /* stiffness at r0, Mbar cm; NaN: from the materials' Hugoniot data */
+    double shape;                      /* alpha r0 of the Morse potential; NaN: from S */
+    double epsilon, sigma;             /* Lennard-Jones, energy and length; NaN: from k and r0 */
+    double cutoff;                     /* of scope `all`, cm; NaN: r_c */
+    double zeta;                       /* fraction of critical central damping, default 0 */
+    double a_p, a_t;                   /* its change with P (1/Mbar) and T (1/K), default 0 */
+    double ct_ratio;                   /* tangential viscosity c_t / (2 sqrt(k m_eff)), default 0 */
+    double kt_ratio;                   /* kt / kn; NaN: from G */
+    double mu;                         /* dry friction, default 0 */
+    double yield, tensile;             /* override of the weaker material's Y and Yt0; NaN: none */
+    double link_form, link_break;      /* in r0; defaults 0 (no welding) and 1.05 */
+    bool linked;                       /* do lattice neighbours start linked; default yes in one grain, no between bodies and grains */
+    double conductance;                /* factor on kappa_ij, default 1 */
+};
+
+/* How two elements stand to each other: which interface their pair is. */
+enum relation { RELATION_SAME_GRAIN, RELATION_OTHER_GRAIN, RELATION_OTHER_BODY, RELATION_COUNT };
+
+struct shape_config {
+    enum shape_kind kind;
+    double box[4];      /* rectangle: x0 y0 x1 y1, half-open: x0 <= x < x1; of the centre of an element */
+    double centre[2];   /* disc */
+    double radius;      /* disc */
+    size_t n_vertices;  /* polygon */
+    double vertex[POLYGON_MAX][2];
+};
+
+/* body NAME { ... }: a shape filled with elements on a lattice. */
+struct body_config {
+    name_text name;
+    struct shape_config shape;
+    enum lattice_kind lattice;
+    double spacing;     /* d, cm */
+    double row_spacing; /* cm; default sqrt(3)/2 d, or d on the square lattice */
+    double origin[2];   /* where one site lies, cm; rows are counted from there */
+    double angle;       /* of the rows against x, radians, default 0 */
+    double radius;      /* R of the elements, cm; default d/2 */
+    size_t n_mix;       /* materials and their volume fractions; the fractions sum to 1 */
+    int mix_material[MIX_MAX];
+    double mix_fraction[MIX_MAX];
+    uint64_t seed;      /* of the mix and of the random velocities */
+    double velocity[2]; /* cm/us */
+    double jitter;      /* each velocity component is uniform in +-jitter about it, cm/us; default 0 */
+    double temperature; /* K, default 300 */
+};
+
+/* probe NAME { region = x0 y0 x1 y1 }: the elements that start there; their mean position and velocity
+ * are columns of history.csv. */
+struct probe_config {
+    name_text name;
+    double box[4];
+};
+
+struct output_config {
+    int64_t history_every;  /* steps between rows of history.csv, default 1/200 of the run, at least 1 */
+    int64_t snapshot_every; /* 0: none by interval */
+    size_t n_snapshot_at;
+    int64_t *snapshot_at;   /* further steps, ascending, without repeats */
+    bool vtp, xyz;          /* formats; default vtp */
+};
+
+struct config {
+    double origin[2], size[2]; /* of the domain, cm */
+    bool periodic[2];
+    double r_c, delta_r;       /* R_c and the margin dR of the lists, cm */
+    enum search_kind search;
+    int64_t rebuild_every;     /* 0: when dumax says so; K: also every K steps */
+    enum balance_kind balance;
+    double dt;                 /* us */
+    int64_t steps;
+    double gravity[2];         /* body acceleration, cm/us2 */
+    size_t n_materials, n_bodies, n_probes;
+    struct material_config *materials;
+    struct body_config *bodies;
+    struct probe_config *probes;
+    struct output_config output;
+    struct interaction_rule *rules; /* in deck order; read with config_interaction */
+    size_t n_rules;
+};
+
+/* The interaction of materials a and b (indices; the order does not matter) standing in `relation`:
+ * the defaults above, then each matching rule from the least to the most specific:
+ * `interaction {}`, `interface grain|body {}`, `interaction A B {}`, `interface grain|body A B {}`. */
+struct interaction_config config_interaction(const struct config *c, int a, int b, enum relation relation);
+
+/* Frees what *c owns and empties it. */
+void config_free(struct config *c);
+
+#endif

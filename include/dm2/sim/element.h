@@ -1,0 +1,46 @@
+/* One element and one pair as records: how they travel, are stored and are generated. The engine itself
+ * keeps arrays (dm2/sim/particles.h); these are what comes in and goes out. */
+#ifndef DM2_SIM_ELEMENT_H
+#define DM2_SIM_ELEMENT_H
+
+#include <stdint.h>
+
+enum element_flag {
+    ELEMENT_FIXED_MOTION = 1 /* its velocity is prescribed; forces do not move it */
+};
+
+/* The state of one element: all that the next step reads of it. */
+struct element {
+    uint32_t id;    /* global, from 0, in the generator's order */
+    uint32_t grain; /* global */
+    uint16_t body;
+    uint16_t kind;  /* index of its (material, phase) in the model */
+    uint8_t flags;  /* enum element_flag */
+    uint8_t probes; /* bit p: it belongs to probe p */
+    double radius;  /* cm */
+    double mass;    /* g */
+    double r[2];    /* position at the whole step, cm */
+    double v[2];    /* velocity at the half step before, cm/us */
+    double w;       /* angular velocity there, 1/us */
+    double heat;    /* thermal energy above its material's T0, g cm2/us2 */
+    double p;       /* pressure of the last force evaluation, Mbar */
+};
+
+/* The memory of one pair that is linked or in contact. Key: id_a < id_b. */
+struct pair_record {
+    uint32_t id_a, id_b;
+    uint32_t linked;  /* 0 or 1 */
+    double stretch;   /* residual normal stretch e, cm */
+    double spring;    /* tangential spring s, cm */
+};
+
+/* What was measured of one element at the last force evaluation that measured. */
+struct element_measure {
+    double stress[3]; /* xx, yy, xy, Mbar; tension positive */
+    double velocity[2]; /* mean of the two half steps */
+    double temperature; /* K */
+    uint32_t links;   /* linked pairs */
+    uint32_t contacts;
+};
+
+#endif
