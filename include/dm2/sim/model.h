@@ -1,0 +1,31 @@
+/* The tables that the engine computes with, worked out from a config: kinds of elements, pair laws, scales of
+ * the fixed-point sums, the stable time step. Everything is plain numbers: two programs that load the same deck
+ * have the same model, bit for bit. */
+#ifndef DM2_SIM_MODEL_H
+#define DM2_SIM_MODEL_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "dm2/base/status.h"
+#include "dm2/sim/config.h"
+#include "dm2/sim/grid.h"
+#include "dm2/sim/measures.h"
+
+struct model; /* completed in model.c's private header; the accessors below are what other layers need */
+
+/* Works out the tables. The config is borrowed for the life of the model. DM2_DECK with the reason: r_c below the
+ * contact distance or a law that cannot be calibrated. */
+enum dm2_status model_build(const struct config *config, struct model **out, struct dm2_error *err);
+void model_free(struct model *model);
+
+const struct config *model_config(const struct model *model);
+const struct grid *model_grid(const struct model *model);
+struct measure_scales model_scales(const struct model *model);
+size_t model_elements(const struct model *model);   /* elements that the generator makes */
+double model_stable_dt(const struct model *model, const char **which); /* us; *which names the limiting mode */
+
+/* Elements per cell, counts[cx*cy], as generated: for the decomposition by particles. */
+enum dm2_status model_cell_counts(const struct model *model, uint32_t *counts, struct dm2_error *err);
+
+#endif
