@@ -5,7 +5,7 @@
 # tests/run.sh gives it an empty directory as working directory and TMPDIR, and in the environment DM2_SRC (the
 # source tree), DM2_BIN (the programs), DM2_BUILD (the flavour's build directory) and FLAVOUR. A test passes when it
 # exits 0, is skipped when it exits 77, and fails otherwise. It may name its labels and its time limit in
-# comment lines of its own: `# labels: e2e slow` (the default is e2e) and `# timeout: 120` (seconds, default 60).
+# its opening comment: `# labels: e2e slow` (the default is e2e) and `# timeout: 120` (seconds, default 60).
 #
 # `fail` and `skip` exit: call them from the test itself, not from within $(...) or a pipe. The processes that
 # start_server starts are ended, by their ids, when the test exits.
