@@ -16,10 +16,15 @@ bool exact_add(struct exact_sum *sum, double value, int shift)
     double scaled = rint(ldexp(value, shift));
     if (!(fabs(scaled) < 0x1p120))
         return false;
-    /* Both parts are exact: floor of a scaled double, and what is left, which is below 2^64. */
-    double high = floor(scaled * 0x1p-64);
-    double low = scaled - high * 0x1p64;
-    add_limbs(sum, (int64_t)high, (uint64_t)low);
+    /* Both parts are exact: the multiple of 2^64 in the magnitude, and what is left, which is below 2^64. */
+    double magnitude = fabs(scaled);
+    double high = floor(magnitude * 0x1p-64);
+    uint64_t hi = (uint64_t)high, lo = (uint64_t)(magnitude - high * 0x1p64);
+    if (scaled < 0.0) {
+        lo = ~lo + 1u;
+        hi = ~hi + (lo == 0 ? 1u : 0u);
+    }
+    add_limbs(sum, (int64_t)hi, lo);
     return true;
 }
 
