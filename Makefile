@@ -61,7 +61,8 @@ all: $(PROGRAMS)
 tests: $(TESTS) $(TOOLS)
 
 test: all tests
-	$(Q)DM2_BIN=$(abspath $(BIN)) DM2_BUILD=$(abspath $(BUILD)) FLAVOUR=$(FLAVOUR) sh tests/run.sh $(TESTFLAGS)
+	$(Q)CC='$(CC)' DM2_BIN=$(abspath $(BIN)) DM2_BUILD=$(abspath $(BUILD)) FLAVOUR=$(FLAVOUR) \
+		sh tests/run.sh $(TESTFLAGS)
 
 # A changed compiler or flag rebuilds everything.
 FLAGS_NOW := $(CC) $(DM2_CFLAGS) $(WARN) $(WERROR) $(CPPFLAGS) $(CFLAGS) $(EXACT) $(LDFLAGS)
