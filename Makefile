@@ -52,7 +52,7 @@ TESTS    := $(TEST_SRC:tests/unit/%.c=$(BUILD)/tests/%)
 TOOL_SRC := $(wildcard tests/tools/*.c)
 TOOLS    := $(TOOL_SRC:tests/tools/%.c=$(BUILD)/tools/%)
 
-.PHONY: all tests test install uninstall clean help FORCE
+.PHONY: all tests test demo install uninstall clean help FORCE
 .SUFFIXES:
 .SECONDARY:
 
@@ -63,6 +63,9 @@ tests: $(TESTS) $(TOOLS)
 test: all tests
 	$(Q)CC='$(CC)' DM2_BIN=$(abspath $(BIN)) DM2_BUILD=$(abspath $(BUILD)) FLAVOUR=$(FLAVOUR) \
 		sh tests/run.sh $(TESTFLAGS)
+
+demo: all
+	$(Q)DM2_BIN=$(BIN) DM2_BUILD=build sh scripts/demo.sh
 
 # A changed compiler or flag rebuilds everything.
 FLAGS_NOW := $(CC) $(DM2_CFLAGS) $(WARN) $(WERROR) $(CPPFLAGS) $(CFLAGS) $(EXACT) $(LDFLAGS)

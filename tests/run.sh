@@ -21,6 +21,7 @@ usage: sh tests/run.sh [OPTION]...
   -j N        N tests at a time (default: the number of cores, at most 2)
   -N          list the tests, run none
   -V          print the output of every test;  --output-on-failure: of those that fail
+  --memcheck  the unit tests alone, each under valgrind; errors and leaks fail it
   --timeout S time limit of a test that does not name its own, seconds (default 60)
 Environment: DM2_BIN, DM2_BUILD, FLAVOUR (make test sets them), DM2_TESTS (another tree of tests).
 END
@@ -32,7 +33,7 @@ die()
     exit 2
 }
 
-label= match= exclude= jobs= list=0 show=none default_limit=60
+label= match= exclude= jobs= list=0 show=none default_limit=60 memcheck=0
 while [ $# -gt 0 ]; do
     case $1 in
     -L | -R | -E | -j | --timeout)
@@ -49,6 +50,7 @@ while [ $# -gt 0 ]; do
     -j[0-9]*) jobs=${1#-j} ;;
     -N) list=1 ;;
     -V) show=all ;;
+    --memcheck) memcheck=1 label=unit ;;
     --output-on-failure) [ $show = all ] || show=failed ;;
     -h | --help)
         usage
@@ -79,6 +81,10 @@ esac
 # they write them into files that are looked for after each test.
 scale=1
 [ "$FLAVOUR" = release ] || scale=4
+if [ $memcheck = 1 ]; then
+    command -v valgrind >/dev/null || die "there is no valgrind on this machine"
+    scale=10
+fi
 
 # --- which tests -----------------------------------------------------------------------------------------
 
@@ -178,7 +184,10 @@ launch()
     mkdir "$scratch/$name"
     case $path in
     "$tests"/*) set -- "$1" sh "$path" ;;
-    *) set -- "$1" "$path" ;;
+    *)
+        set -- "$1" "$path"
+        [ $memcheck = 0 ] || set -- "$1" valgrind -q --leak-check=full --error-exitcode=99 "$path"
+        ;;
     esac
     index=$1
     shift
