@@ -16,6 +16,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "dm2/base/csv.h"
 #include "dm2/base/exact.h"
 #include "dm2/base/file.h"
 #include "dm2/base/mem.h"
@@ -230,19 +231,10 @@ static enum dm2_status prepare_directory(struct results *r, bool overwrite, stru
 /* Writes a header field, quoted where CSV asks for it. */
 static void write_heading(struct file_out *f, const char *name, const char *unit)
 {
-    char text[128];
+    char text[128], quoted[256];
     (void)snprintf(text, sizeof text, unit[0] == '\0' ? "%s" : "%s [%s]", name, unit);
-    if (strpbrk(text, ",\"\r\n") == NULL) {
-        file_puts(f, text);
-        return;
-    }
-    file_puts(f, "\"");
-    for (const char *c = text; *c != '\0'; c++) {
-        if (*c == '"')
-            file_puts(f, "\"");
-        file_write(f, c, 1);
-    }
-    file_puts(f, "\"");
+    (void)csv_quote(text, quoted, sizeof quoted);
+    file_puts(f, quoted);
 }
 
 static void write_header(struct results *r)
