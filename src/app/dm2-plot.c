@@ -9,6 +9,7 @@
 #include "dm2/app/options.h"
 #include "dm2/base/csv.h"
 #include "dm2/base/number.h"
+#include "dm2/base/text.h"
 #include "dm2/plot/chart.h"
 #include "dm2/plot/picture.h"
 #include "dm2/plot/vtp_reader.h"
@@ -35,7 +36,8 @@ struct arguments {
 /* The file's base name with the suffix ".svg", in the current directory; malloc'd. */
 static char *default_output(const char *path)
 {
-    const char *slash = strrchr(path, '/'), *base = slash == NULL ? path : slash + 1, *dot = strrchr(base, '.');
+    const char *slash = strrchr(path, '/'), *base = slash == NULL ? path : slash + 1,
+               *dot = strrchr(base, '.');
     size_t length = dot == NULL || dot == base ? strlen(base) : (size_t)(dot - base);
     char *out = malloc(length + 5);
     if (out != NULL) {
@@ -67,13 +69,14 @@ static enum dm2_status take_range(int *argc, char **argv, double range[2], struc
 }
 
 /* Parses what follows the command; the one operand is the file. */
-static enum dm2_status parse(const struct option *table, size_t n, int argc, char **argv, const struct arguments *a,
-                             const char **file, struct dm2_error *err)
+static enum dm2_status parse(const struct option *table, size_t n, int argc, char **argv,
+                             const struct arguments *a, const char **file, struct dm2_error *err)
 {
     struct option_list operands = {0};
     enum dm2_status status = options_parse(table, n, argc, argv, &operands, err);
     if (status == DM2_OK && !a->help && operands.n != 1)
-        status = dm2_fail(err, DM2_USAGE, "one file is expected, %zu were given; --help explains", operands.n);
+        status =
+            dm2_fail(err, DM2_USAGE, "one file is expected, %zu were given; --help explains", operands.n);
     *file = status == DM2_OK && operands.n == 1 ? operands.items[0] : NULL;
     option_list_free(&operands);
     return status;
@@ -90,7 +93,8 @@ static enum dm2_status snapshot_command(int argc, char **argv, struct dm2_error 
     struct arguments a = {.width = 900};
     const struct option table[] = {
         {"output", 'o', OPTION_TEXT, &a.out, "OUT.svg", "where to write; default FILE.svg here", 0, 0},
-        {"colour", 'c', OPTION_TEXT, &a.colour, "WHAT", "what colours the elements, see below; default material", 0, 0},
+        {"colour", 'c', OPTION_TEXT, &a.colour, "WHAT",
+         "what colours the elements, see below; default material", 0, 0},
         {"links", 0, OPTION_FLAG, &a.links, NULL, "draw the links", 0, 0},
         {"title", 't', OPTION_TEXT, &a.title, "TEXT", "a headline", 0, 0},
         {"width", 'w', OPTION_INTEGER, &a.width, "PX", "width of the picture; default 900", 300, 20000},
@@ -104,8 +108,8 @@ static enum dm2_status snapshot_command(int argc, char **argv, struct dm2_error 
         return status;
     if (a.help) {
         print_help("usage: dm2-plot snapshot FILE.vtp [options]", table, sizeof table / sizeof table[0]);
-        printf("      --range MIN MAX          %s\n\nWHAT is one of: %s\n", "range of the colours; default: of the values",
-               picture_colours());
+        printf("      --range MIN MAX          %s\n\nWHAT is one of: %s\n",
+               "range of the colours; default: of the values", picture_colours());
         return DM2_OK;
     }
     char *own = a.out == NULL ? default_output(file) : NULL;
@@ -115,7 +119,8 @@ static enum dm2_status snapshot_command(int argc, char **argv, struct dm2_error 
         return dm2_fail(err, DM2_MEMORY, "no memory for a file name");
     status = vtp_read(file, &vtp, err);
     if (status == DM2_OK) {
-        const struct picture_options options = {a.colour, a.links, {a.range[0], a.range[1]}, a.title, (double)a.width};
+        const struct picture_options options = {
+            a.colour, a.links, {a.range[0], a.range[1]}, a.title, (double)a.width};
         status = picture_write(out, &vtp, &options, err);
         vtp_free(&vtp);
     }
@@ -139,7 +144,8 @@ static void columns_free(struct columns *c)
         free(c->y[i]);
 }
 
-static enum dm2_status take_columns(const struct csv *csv, char *list, struct columns *c, struct dm2_error *err)
+static enum dm2_status take_columns(const struct csv *csv, char *list, struct columns *c,
+                                    struct dm2_error *err)
 {
     for (char *name = list, *next; name != NULL; name = next) {
         size_t column;
@@ -158,7 +164,8 @@ static enum dm2_status take_columns(const struct csv *csv, char *list, struct co
     return DM2_OK;
 }
 
-/* A unit that all the columns share goes to the axis: returns it, "[us]", and cuts it off the names; NULL: none. */
+/* A unit that all the columns share goes to the axis: returns it, "[us]", and cuts it off the names; NULL:
+ * none. */
 static const char *shared_unit(const struct columns *c, char names[SERIES_MAX][64])
 {
     const char *unit = strstr(c->heading[0], " [");
@@ -168,12 +175,13 @@ static const char *shared_unit(const struct columns *c, char names[SERIES_MAX][6
             return NULL;
     }
     for (size_t i = 0; i < c->n; i++)
-        (void)snprintf(names[i], 64, "%.*s", (int)(strstr(c->heading[i], " [") - c->heading[i]), c->heading[i]);
+        (void)snprintf(names[i], 64, "%.*s", (int)(strstr(c->heading[i], " [") - c->heading[i]),
+                       c->heading[i]);
     return unit + 1;
 }
 
-static enum dm2_status draw_chart(const struct csv *csv, const struct arguments *a, char *list, const char *out,
-                                  struct dm2_error *err)
+static enum dm2_status draw_chart(const struct csv *csv, const struct arguments *a, char *list,
+                                  const char *out, struct dm2_error *err)
 {
     struct columns c = {0};
     struct chart_series series[SERIES_MAX];
@@ -188,13 +196,20 @@ static enum dm2_status draw_chart(const struct csv *csv, const struct arguments 
     if (status == DM2_OK && c.n > 1)
         unit = shared_unit(&c, names);
     for (size_t i = 0; status == DM2_OK && i < c.n; i++)
-        series[i] = (struct chart_series){.name = unit != NULL ? names[i] : c.heading[i], .x = c.x, .y = c.y[i], .n = csv->n_rows, .colour = i,
-                                          .line = true, .markers = a->markers};
+        series[i] = (struct chart_series){.name = unit != NULL ? names[i] : c.heading[i],
+                                          .x = c.x,
+                                          .y = c.y[i],
+                                          .n = csv->n_rows,
+                                          .colour = i,
+                                          .line = true,
+                                          .markers = a->markers};
     if (status == DM2_OK) {
         const struct chart chart = {
             .title = a->title,
             .x_label = a->x_label != NULL ? a->x_label : csv_heading(csv, x_column),
-            .y_label = a->y_label != NULL ? a->y_label : c.n == 1 ? c.heading[0] : unit,
+            .y_label = a->y_label != NULL ? a->y_label
+                       : c.n == 1         ? c.heading[0]
+                                          : unit,
             .log_x = a->log_x,
             .log_y = a->log_y,
             .width = (double)a->width,
@@ -220,7 +235,8 @@ static enum dm2_status chart_command(int argc, char **argv, struct dm2_error *er
         {"markers", 0, OPTION_FLAG, &a.markers, NULL, "mark the points", 0, 0},
         {"title", 't', OPTION_TEXT, &a.title, "TEXT", "a headline", 0, 0},
         {"xlabel", 0, OPTION_TEXT, &a.x_label, "TEXT", "below the chart; default the column's heading", 0, 0},
-        {"ylabel", 0, OPTION_TEXT, &a.y_label, "TEXT", "beside it; default the heading of a single column", 0, 0},
+        {"ylabel", 0, OPTION_TEXT, &a.y_label, "TEXT", "beside it; default the heading of a single column", 0,
+         0},
         {"width", 'w', OPTION_INTEGER, &a.width, "PX", "width of the chart; default 760", 300, 20000},
         {"help", 'h', OPTION_FLAG, &a.help, NULL, "this", 0, 0},
     };
@@ -239,14 +255,12 @@ static enum dm2_status chart_command(int argc, char **argv, struct dm2_error *er
     status = csv_read(file, &csv, err);
     if (status != DM2_OK)
         return status;
-    char *own = a.out == NULL ? default_output(file) : NULL, *list = malloc(strlen(a.y) + 1);
+    char *own = a.out == NULL ? default_output(file) : NULL, *list = text_join(a.y, "", "");
     const char *out = a.out == NULL ? own : a.out;
-    if (out == NULL || list == NULL) {
+    if (out == NULL || list == NULL)
         status = dm2_fail(err, DM2_MEMORY, "no memory for a file name");
-    } else {
-        strcpy(list, a.y);
+    else
         status = draw_chart(&csv, &a, list, out, err);
-    }
     if (status == DM2_OK)
         printf("%s\n", out);
     free(own);

@@ -1,9 +1,9 @@
 /* Round ticks.
  *
- * Linear: the step is the smallest of 1, 2, 5 times a power of ten that gives at most the ticks asked for; ticks are whole
- * multiples of it, computed as index * step so that 0 is 0. Labels have the decimals of the step; very large and very
- * small ones share a power of ten. Logarithmic: a tick per decade (or per several), minor ones at 2 to 9; below a
- * decade and a half 2 and 5 are labelled too. */
+ * Linear: the step is the smallest of 1, 2, 5 times a power of ten that gives at most the ticks asked for;
+ * ticks are whole multiples of it, computed as index * step so that 0 is 0. Labels have the decimals of the
+ * step; very large and very small ones share a power of ten. Logarithmic: a tick per decade (or per several),
+ * minor ones at 2 to 9; below a decade and a half 2 and 5 are labelled too. */
 #include "dm2/plot/axis.h"
 
 #include <math.h>
@@ -42,8 +42,8 @@ static void label_linear(struct axis *a, double step)
     a->exponent = magnitude >= 5 || magnitude <= -4 ? magnitude : 0;
     int decimals = a->exponent - of_step;
     for (size_t i = 0; i < a->n_ticks; i++) /* with a true minus sign */
-        (void)snprintf(a->label[i], AXIS_LABEL_MAX, "%s%.*f", a->tick[i] < 0 ? "\u2212" : "", decimals > 0 ? decimals : 0,
-                       fabs(a->tick[i]) / pow(10, a->exponent));
+        (void)snprintf(a->label[i], AXIS_LABEL_MAX, "%s%.*f", a->tick[i] < 0 ? "\u2212" : "",
+                       decimals > 0 ? decimals : 0, fabs(a->tick[i]) / pow(10, a->exponent));
 }
 
 static void make_linear(struct axis *a, bool extend, int about)
@@ -123,7 +123,8 @@ void axis_factor(const struct axis *axis, char out[AXIS_LABEL_MAX])
 {
     out[0] = '\0';
     if (axis->exponent != 0)
-        (void)snprintf(out, AXIS_LABEL_MAX, "\u00d710^{%s%d}", axis->exponent < 0 ? "\u2212" : "", abs(axis->exponent));
+        (void)snprintf(out, AXIS_LABEL_MAX, "\u00d710^{%s%d}", axis->exponent < 0 ? "\u2212" : "",
+                       abs(axis->exponent));
 }
 
 double axis_place(const struct axis *axis, double value)

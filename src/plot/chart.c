@@ -1,7 +1,8 @@
 /* Charts.
  *
- * The legend stands right of the frame, where it can hide no data; one unnamed series needs none. Points that fall on the
- * same hundredth of a pixel as the one before are left out, so that a curve's size is bounded by the picture's. */
+ * The legend stands right of the frame, where it can hide no data; one unnamed series needs none. Points that
+ * fall on the same hundredth of a pixel as the one before are left out, so that a curve's size is bounded by
+ * the picture's. */
 #include "dm2/plot/chart.h"
 
 #include <math.h>
@@ -16,7 +17,7 @@ static const char frame_colour[] = "#444", grid_colour[] = "#e4e4e4";
 static const double font_size = 13, title_size = 17;
 
 struct layout {
-    double width, height;           /* of the picture */
+    double width, height;            /* of the picture */
     double left, right, top, bottom; /* of the frame */
     struct axis x, y;
 };
@@ -98,8 +99,8 @@ static void draw_x_axis(struct svg *svg, const struct chart *c, const struct lay
     }
     char label[256], factor[AXIS_LABEL_MAX];
     axis_factor(&l->x, factor);
-    (void)snprintf(label, sizeof label, "%s%s%s", c->x_label == NULL ? "" : c->x_label, factor[0] == '\0' ? "" : "  ",
-                   factor);
+    (void)snprintf(label, sizeof label, "%s%s%s", c->x_label == NULL ? "" : c->x_label,
+                   factor[0] == '\0' ? "" : "  ", factor);
     if (label[0] != '\0')
         svg_text(svg, 0.5 * (l->left + l->right), l->bottom + 41, &middle, label);
 }
@@ -139,7 +140,8 @@ static void put_stroke(struct svg *svg, const struct chart_series *s)
     svg_puts(svg, s->dashed ? "\" stroke-dasharray=\"6 4\"/>\n" : "\"/>\n");
 }
 
-static void draw_line(struct svg *svg, const struct chart *c, const struct layout *l, const struct chart_series *s)
+static void draw_line(struct svg *svg, const struct chart *c, const struct layout *l,
+                      const struct chart_series *s)
 {
     bool pen_down = false;
     double last_x = NAN, last_y = NAN;
@@ -180,7 +182,8 @@ static void close_markers(struct svg *svg, const struct chart_series *s)
     svg_puts(svg, "\"/>\n");
 }
 
-static void draw_markers(struct svg *svg, const struct chart *c, const struct layout *l, const struct chart_series *s)
+static void draw_markers(struct svg *svg, const struct chart *c, const struct layout *l,
+                         const struct chart_series *s)
 {
     svg_puts(svg, "<path d=\"");
     for (size_t i = 0; i < s->n; i++)
@@ -220,7 +223,8 @@ enum dm2_status chart_write(const char *path, const struct chart *chart, struct 
                         chart->log_x || chart->log_y ? ", or not positive on a logarithmic axis" : "");
     lay_out(chart, x, y, &l);
     if (l.right - l.left < 40 || l.bottom - l.top < 40)
-        return dm2_fail(err, DM2_USAGE, "%s: a chart of %.0f x %.0f pixels has no room for its labels; make it larger", path,
+        return dm2_fail(err, DM2_USAGE,
+                        "%s: a chart of %.0f x %.0f pixels has no room for its labels; make it larger", path,
                         l.width, l.height);
     enum dm2_status status = svg_create(&svg, path, l.width, l.height, chart->title, err);
     if (status != DM2_OK)

@@ -1,12 +1,13 @@
-/* Colour maps as short tables, interpolated linearly in sRGB, which at this spacing stays within a step or two of the
- * originals: viridis (S. van der Walt, N. Smith, CC0), cool-to-warm (K. Moreland, 2009), and the palette of M. Okabe and
- * K. Ito, without its black. */
+/* Colour maps as short tables, interpolated linearly in sRGB, which at this spacing stays within a step or
+ * two of the originals: viridis (S. van der Walt, N. Smith, CC0), cool-to-warm (K. Moreland, 2009), and the
+ * palette of M. Okabe and K. Ito, without its black. */
 #include "dm2/plot/colour.h"
 
 #include <stdio.h>
 
-static const unsigned viridis[] = {0x440154, 0x48186a, 0x472d7b, 0x424086, 0x3b528b, 0x33638d, 0x2c728e, 0x26828e, 0x21918c,
-                                   0x1fa088, 0x28ae80, 0x3fbc73, 0x5ec962, 0x84d44b, 0xaddc30, 0xd8e219, 0xfde725};
+static const unsigned viridis[] = {0x440154, 0x48186a, 0x472d7b, 0x424086, 0x3b528b, 0x33638d,
+                                   0x2c728e, 0x26828e, 0x21918c, 0x1fa088, 0x28ae80, 0x3fbc73,
+                                   0x5ec962, 0x84d44b, 0xaddc30, 0xd8e219, 0xfde725};
 
 static const unsigned cool_to_warm[] = {0x3b4cc0, 0x5977e3, 0x7b9ff9, 0x9ebeff, 0xc0d4f5, 0xdddcdc,
                                         0xf2cbb7, 0xf7ac8e, 0xee8468, 0xd65244, 0xb40426};

@@ -1,9 +1,9 @@
 /* Pictures of states.
  *
- * A disc is a zero-length line with round ends: about ten bytes when discs of one colour and radius share a path and each
- * is given relative to the one before, in tenths of a pixel. So the elements are sorted by (colour, radius, index) first,
- * with the colours of a measured quantity cut into 96 steps. Positions are rounded before differences are taken: no error
- * adds up along a path. */
+ * A disc is a zero-length line with round ends: about ten bytes when discs of one colour and radius share a
+ * path and each is given relative to the one before, in tenths of a pixel. So the elements are sorted by
+ * (colour, radius, index) first, with the colours of a measured quantity cut into 96 steps. Positions are
+ * rounded before differences are taken: no error adds up along a path. */
 #include "dm2/plot/picture.h"
 
 #include <math.h>
@@ -87,22 +87,24 @@ struct picture {
     const struct quantity *quantity;
     const double *values, *radius;
     size_t components;
-    double low, high;                  /* range of the colours */
-    double view[4];                    /* what is shown: x0 y0 x1 y1, cm */
+    double low, high;                   /* range of the colours */
+    double view[4];                     /* what is shown: x0 y0 x1 y1, cm */
     double left, top, frame_w, frame_h; /* where, px */
-    double width, height, scale;       /* of the picture, px; px per cm */
-    double side;                       /* width of the column with the legend */
+    double width, height, scale;        /* of the picture, px; px per cm */
+    double side;                        /* width of the column with the legend */
     struct disc *discs;
     size_t n_discs;
 };
 
 const char *picture_colours(void)
 {
-    return "material velocity vx vy stress stress-xx stress-yy stress-xy pressure temperature spin links contacts grain "
+    return "material velocity vx vy stress stress-xx stress-yy stress-xy pressure temperature spin links "
+           "contacts grain "
            "body";
 }
 
-/* --- what is shown ---------------------------------------------------------------------------------------- */
+/* --- what is shown ----------------------------------------------------------------------------------------
+ */
 
 static enum dm2_status choose_quantity(struct picture *p, struct dm2_error *err)
 {
@@ -111,12 +113,15 @@ static enum dm2_status choose_quantity(struct picture *p, struct dm2_error *err)
         if (strcmp(word, quantities[i].word) == 0)
             p->quantity = &quantities[i];
     if (p->quantity == NULL)
-        return dm2_fail(err, DM2_USAGE, "'%s' is nothing to colour by; choose one of: %s", word, picture_colours());
+        return dm2_fail(err, DM2_USAGE, "'%s' is nothing to colour by; choose one of: %s", word,
+                        picture_colours());
     const struct vtp_array *values = vtp_find(p->vtp, "PointData", p->quantity->array);
     const struct vtp_array *radius = vtp_find(p->vtp, "PointData", "radius");
-    size_t least = strcmp(p->quantity->array, "velocity") == 0 || strcmp(p->quantity->array, "stress") == 0 ? 3 : 1;
+    size_t least =
+        strcmp(p->quantity->array, "velocity") == 0 || strcmp(p->quantity->array, "stress") == 0 ? 3 : 1;
     if (values == NULL || values->components < least || radius == NULL || radius->components != 1)
-        return dm2_fail(err, DM2_USAGE, "the snapshot has no array '%s' of its points, or no 'radius'", p->quantity->array);
+        return dm2_fail(err, DM2_USAGE, "the snapshot has no array '%s' of its points, or no 'radius'",
+                        p->quantity->array);
     p->values = values->values;
     p->components = values->components;
     p->radius = radius->values;
@@ -190,7 +195,8 @@ static void choose_view(struct picture *p)
     }
 }
 
-/* --- categories ------------------------------------------------------------------------------------------- */
+/* --- categories -------------------------------------------------------------------------------------------
+ */
 
 static void category_name(const struct picture *p, size_t category, char *out, size_t size)
 {
@@ -232,7 +238,8 @@ static size_t categories_present(const struct picture *p, size_t out[LEGEND_MAX 
     return n;
 }
 
-/* --- discs ------------------------------------------------------------------------------------------------ */
+/* --- discs ------------------------------------------------------------------------------------------------
+ */
 
 static uint32_t step_of(const struct picture *p, double value)
 {
@@ -312,7 +319,8 @@ static void draw_discs(struct svg *svg, const struct picture *p)
         svg_puts(svg, colour);
         svg_integer(svg, "\" stroke-width=\"", 2 * (long long)head->radius);
         svg_puts(svg, "\" d=\"");
-        for (; i < p->n_discs && p->discs[i].colour == head->colour && p->discs[i].radius == head->radius; i++) {
+        for (; i < p->n_discs && p->discs[i].colour == head->colour && p->discs[i].radius == head->radius;
+             i++) {
             put_move(svg, p->discs[i].x - x, p->discs[i].y - y);
             svg_puts(svg, "h0");
             x = p->discs[i].x;
@@ -329,7 +337,8 @@ static void draw_links(struct svg *svg, const struct picture *p)
     double thickness = p->n_discs == 0 ? 4 : fmin(fmax(0.2 * p->discs[0].radius, 3), 20);
     svg_number(svg, "<path transform=\"translate(", p->left);
     svg_number(svg, " ", p->top);
-    svg_number(svg, ") scale(.1)\" fill=\"none\" stroke=\"#111\" stroke-opacity=\".6\" stroke-width=\"", thickness);
+    svg_number(svg, ") scale(.1)\" fill=\"none\" stroke=\"#111\" stroke-opacity=\".6\" stroke-width=\"",
+               thickness);
     svg_puts(svg, "\" d=\"");
     for (size_t k = 0; k < p->vtp->n_lines; k++) {
         int32_t end[4];
@@ -346,7 +355,8 @@ static void draw_links(struct svg *svg, const struct picture *p)
     svg_puts(svg, "\"/>\n");
 }
 
-/* --- what stands around ----------------------------------------------------------------------------------- */
+/* --- what stands around -----------------------------------------------------------------------------------
+ */
 
 static bool has_colour_bar(const struct picture *p)
 {
@@ -386,8 +396,10 @@ static enum dm2_status lay_out(struct picture *p, struct dm2_error *err)
     p->side = side_width(p);
     double room = p->width - 2 * margin - p->side;
     if (!(room >= 80) || !(p->width <= 20000))
-        return dm2_fail(err, DM2_USAGE,
-                        "a picture %.0f pixels wide has no room for its elements and legend; choose 300 to 20000", p->width);
+        return dm2_fail(
+            err, DM2_USAGE,
+            "a picture %.0f pixels wide has no room for its elements and legend; choose 300 to 20000",
+            p->width);
     p->scale = fmin(room / view_w, 1.2 * p->width / view_h);
     p->frame_w = view_w * p->scale;
     p->frame_h = view_h * p->scale;
@@ -401,7 +413,8 @@ static enum dm2_status lay_out(struct picture *p, struct dm2_error *err)
 
 static void draw_header(struct svg *svg, const struct picture *p)
 {
-    const struct svg_font title = {.size = title_size, .bold = 1}, small = {.size = font_size, .colour = grey};
+    const struct svg_font title = {.size = title_size, .bold = 1},
+                          small = {.size = font_size, .colour = grey};
     char text[200], time[NUMBER_TEXT_MAX];
     (void)snprintf(time, sizeof time, "%.6g", vtp_value(p->vtp, "TimeValue", 0));
     size_t beyond = p->vtp->n_points - p->n_discs;

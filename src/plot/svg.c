@@ -1,7 +1,8 @@
 /* The SVG writer.
  *
- * Numbers are what makes these files large, so they are cut to hundredths of a pixel. Text positions do not depend on
- * font metrics that we do not have: everything is anchored, and svg_text_width only reserves room. */
+ * Numbers are what makes these files large, so they are cut to hundredths of a pixel. Text positions do not
+ * depend on font metrics that we do not have: everything is anchored, and svg_text_width only reserves room.
+ */
 #include "dm2/plot/svg.h"
 
 #include <math.h>

@@ -1,7 +1,9 @@
-/* The snapshot reader: walks the XML once, decodes each array where it stands, and checks the shapes at the end.
+/* The snapshot reader: walks the XML once, decodes each array where it stands, and checks the shapes at the
+ * end.
  *
- * The file is material from elsewhere: no length in it is believed before the bytes behind it have been seen. An
- * array's text bounds the values that it can hold, and the piece's counts are only compared with what was read. */
+ * The file is material from elsewhere: no length in it is believed before the bytes behind it have been seen.
+ * An array's text bounds the values that it can hold, and the piece's counts are only compared with what was
+ * read. */
 #include "dm2/plot/vtp_reader.h"
 
 #include <inttypes.h>
@@ -22,9 +24,10 @@ struct number_type {
 };
 
 static const struct number_type number_types[] = {
-    {"UInt8", 1, KIND_UNSIGNED},  {"UInt16", 2, KIND_UNSIGNED}, {"UInt32", 4, KIND_UNSIGNED}, {"UInt64", 8, KIND_UNSIGNED},
-    {"Int8", 1, KIND_SIGNED},     {"Int16", 2, KIND_SIGNED},    {"Int32", 4, KIND_SIGNED},    {"Int64", 8, KIND_SIGNED},
-    {"Float32", 4, KIND_FLOAT},   {"Float64", 8, KIND_FLOAT},
+    {"UInt8", 1, KIND_UNSIGNED},  {"UInt16", 2, KIND_UNSIGNED}, {"UInt32", 4, KIND_UNSIGNED},
+    {"UInt64", 8, KIND_UNSIGNED}, {"Int8", 1, KIND_SIGNED},     {"Int16", 2, KIND_SIGNED},
+    {"Int32", 4, KIND_SIGNED},    {"Int64", 8, KIND_SIGNED},    {"Float32", 4, KIND_FLOAT},
+    {"Float64", 8, KIND_FLOAT},
 };
 
 struct reader {
@@ -44,7 +47,8 @@ static enum dm2_status no_memory(const struct reader *r, struct dm2_error *err)
     return dm2_fail(err, DM2_MEMORY, "%s: no memory for its arrays", r->xml.path);
 }
 
-/* --- values ----------------------------------------------------------------------------------------------- */
+/* --- values -----------------------------------------------------------------------------------------------
+ */
 
 static int base64_digit(unsigned char c)
 {
@@ -169,7 +173,8 @@ static enum dm2_status read_ascii(struct reader *r, struct xml_span text, double
     return DM2_OK;
 }
 
-/* --- elements --------------------------------------------------------------------------------------------- */
+/* --- elements ---------------------------------------------------------------------------------------------
+ */
 
 /* Strings as VTK writes them: the characters as numbers, a 0 after each string. */
 static enum dm2_status take_names(struct reader *r, const double *codes, size_t n, struct vtp_names *out,
@@ -245,7 +250,8 @@ static enum dm2_status take_text(struct reader *r, struct xml_span *text, struct
     return event == XML_END ? DM2_OK : fault(r, err, "an array with something else than its values inside");
 }
 
-static enum dm2_status take_strings(struct reader *r, const char *name, struct xml_span format, struct dm2_error *err)
+static enum dm2_status take_strings(struct reader *r, const char *name, struct xml_span format,
+                                    struct dm2_error *err)
 {
     struct xml_span text;
     double *codes;
@@ -310,9 +316,10 @@ static enum dm2_status take_start(struct reader *r, struct dm2_error *err)
     if (x->depth == 1) {
         if (!xml_is(x->name, "VTKFile") || !xml_is(xml_attribute(x, "type"), "PolyData"))
             return fault(r, err, "a VTKFile of type PolyData was expected");
-        if (!xml_is(xml_attribute(x, "byte_order"), "LittleEndian") || !xml_is(xml_attribute(x, "header_type"), "UInt64") ||
-            xml_attribute(x, "compressor").at != NULL)
-            return fault(r, err, "only little-endian files with UInt64 headers and no compressor can be read");
+        if (!xml_is(xml_attribute(x, "byte_order"), "LittleEndian") ||
+            !xml_is(xml_attribute(x, "header_type"), "UInt64") || xml_attribute(x, "compressor").at != NULL)
+            return fault(r, err,
+                         "only little-endian files with UInt64 headers and no compressor can be read");
     } else if (xml_is(x->name, "Piece")) {
         if (r->vtp->position != NULL || r->vtp->n_points != 0)
             return fault(r, err, "a second piece; only one can be read");
@@ -328,24 +335,27 @@ static enum dm2_status take_start(struct reader *r, struct dm2_error *err)
     return DM2_OK;
 }
 
-/* --- the whole -------------------------------------------------------------------------------------------- */
+/* --- the whole --------------------------------------------------------------------------------------------
+ */
 
 static enum dm2_status check_lines(struct reader *r, struct dm2_error *err)
 {
     struct vtp *vtp = r->vtp;
-    const struct vtp_array *ends = vtp_find(vtp, "Lines", "connectivity"), *offsets = vtp_find(vtp, "Lines", "offsets");
+    const struct vtp_array *ends = vtp_find(vtp, "Lines", "connectivity"),
+                           *offsets = vtp_find(vtp, "Lines", "offsets");
     if (vtp->n_lines == 0)
         return DM2_OK;
-    if (ends == NULL || offsets == NULL || offsets->n_tuples != vtp->n_lines || ends->n_tuples / 2 != vtp->n_lines)
-        return dm2_fail(err, DM2_PROTOCOL, "%s: has not the two points for each of its %zu lines", r->xml.path,
-                        vtp->n_lines);
+    if (ends == NULL || offsets == NULL || offsets->n_tuples != vtp->n_lines ||
+        ends->n_tuples / 2 != vtp->n_lines)
+        return dm2_fail(err, DM2_PROTOCOL, "%s: has not the two points for each of its %zu lines",
+                        r->xml.path, vtp->n_lines);
     for (size_t i = 0; i < vtp->n_lines; i++)
         if (offsets->values[i] != 2.0 * (double)(i + 1))
             return dm2_fail(err, DM2_PROTOCOL, "%s: line %zu has not two points", r->xml.path, i);
     for (size_t i = 0; i < ends->n_tuples; i++)
         if (!(ends->values[i] >= 0 && ends->values[i] < (double)vtp->n_points))
-            return dm2_fail(err, DM2_PROTOCOL, "%s: line %zu names point %.15g of %zu", r->xml.path, i / 2, ends->values[i],
-                            vtp->n_points);
+            return dm2_fail(err, DM2_PROTOCOL, "%s: line %zu names point %.15g of %zu", r->xml.path, i / 2,
+                            ends->values[i], vtp->n_points);
     vtp->line = ends->values;
     return DM2_OK;
 }
@@ -357,8 +367,8 @@ static enum dm2_status check_shapes(struct reader *r, struct dm2_error *err)
         const struct vtp_array *a = &vtp->arrays[i];
         bool points = strcmp(a->section, "Points") == 0;
         if ((points || strcmp(a->section, "PointData") == 0) && a->n_tuples != vtp->n_points)
-            return dm2_fail(err, DM2_PROTOCOL, "%s: the array '%s' has %zu tuples for %zu points", r->xml.path, a->name,
-                            a->n_tuples, vtp->n_points);
+            return dm2_fail(err, DM2_PROTOCOL, "%s: the array '%s' has %zu tuples for %zu points",
+                            r->xml.path, a->name, a->n_tuples, vtp->n_points);
         if (points && a->components == 3)
             vtp->position = a->values;
     }
@@ -366,7 +376,8 @@ static enum dm2_status check_shapes(struct reader *r, struct dm2_error *err)
         return dm2_fail(err, DM2_PROTOCOL, "%s: has no points with three components", r->xml.path);
     for (size_t i = 0; i < 3 * vtp->n_points; i++)
         if (!isfinite(vtp->position[i]))
-            return dm2_fail(err, DM2_PROTOCOL, "%s: point %zu is not at a finite position", r->xml.path, i / 3);
+            return dm2_fail(err, DM2_PROTOCOL, "%s: point %zu is not at a finite position", r->xml.path,
+                            i / 3);
     return check_lines(r, err);
 }
 

@@ -1,7 +1,8 @@
 /* XML, pulled event by event out of a text in memory; nothing is copied, spans point into the text.
  *
- * Well-formedness is checked on the way: tags nest, one root, attributes are quoted and unique, `<` and a stray `&`
- * appear nowhere they must not, no control characters. The line of a message is counted when it is needed. */
+ * Well-formedness is checked on the way: tags nest, one root, attributes are quoted and unique, `<` and a
+ * stray `&` appear nowhere they must not, no control characters. The line of a message is counted when it is
+ * needed. */
 #include "dm2/plot/xml.h"
 
 #include <ctype.h>
@@ -64,7 +65,8 @@ static struct xml_span take_name(struct xml *x)
     struct xml_span name = {x->at, 0};
     if (x->at == x->end || !is_name_start(*x->at))
         return name;
-    while (x->at < x->end && (is_name_start(*x->at) || isdigit((unsigned char)*x->at) || *x->at == '-' || *x->at == '.'))
+    while (x->at < x->end &&
+           (is_name_start(*x->at) || isdigit((unsigned char)*x->at) || *x->at == '-' || *x->at == '.'))
         x->at++;
     name.length = (size_t)(x->at - name.at);
     return name;

@@ -39,7 +39,8 @@ int main(int argc, char **argv)
 {
     struct fake f;
     struct dm2_error err = {0};
-    size_t columns = argc == 4 ? strtoul(argv[1], NULL, 10) : 0, rows = argc == 4 ? strtoul(argv[2], NULL, 10) : 0;
+    size_t columns = argc == 4 ? strtoul(argv[1], NULL, 10) : 0,
+           rows = argc == 4 ? strtoul(argv[2], NULL, 10) : 0;
     if (columns == 0 || rows == 0 || columns > 1u << 16 || rows > 1u << 16) {
         fprintf(stderr, "usage: fake_snapshot COLUMNS ROWS OUT.vtp|OUT.xyz\n");
         return 2;

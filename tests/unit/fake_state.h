@@ -1,5 +1,5 @@
-/* A made-up state for the tests of what reads and writes states: a lattice of two materials, linked along rows and
- * columns, with values that differ everywhere. */
+/* A made-up state for the tests of what reads and writes states: a lattice of two materials, linked along
+ * rows and columns, with values that differ everywhere. */
 #ifndef DM2_TESTS_FAKE_STATE_H
 #define DM2_TESTS_FAKE_STATE_H
 
@@ -21,7 +21,8 @@ struct fake {
     struct pair_record *pairs;
 };
 
-static inline void fake_element(struct element *e, struct element_measure *m, size_t i, size_t column, size_t row)
+static inline void fake_element(struct element *e, struct element_measure *m, size_t i, size_t column,
+                                size_t row)
 {
     *e = (struct element){
         .id = (uint32_t)i,
@@ -59,7 +60,8 @@ static inline void fake_make(struct fake *f, size_t columns, size_t rows)
         size_t column = i % columns, row = i / columns;
         fake_element(&f->elements[i], &f->measured[i], i, column, row);
         if (column + 1 < columns)
-            f->pairs[f->n_pairs++] = (struct pair_record){(uint32_t)i, (uint32_t)i + 1, 1, 1e-5 / (double)(i + 1), 0.5e-7};
+            f->pairs[f->n_pairs++] =
+                (struct pair_record){(uint32_t)i, (uint32_t)i + 1, 1, 1e-5 / (double)(i + 1), 0.5e-7};
         else if (columns > 2 && row + 1 == rows) /* not linked: no line */
             continue;
         if (row + 1 < rows)

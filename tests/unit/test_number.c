@@ -67,14 +67,16 @@ TEST(reader_takes_the_whole_field)
     static const struct {
         const char *text;
         double value;
-    } good[] = {{"1", 1}, {"-1.5e3", -1500}, {"+.5", 0.5}, {"7.", 7}, {"1E-2", 0.01}, {"-0", -0.0}, {"1e-400", 0}};
+    } good[] = {{"1", 1},       {"-1.5e3", -1500}, {"+.5", 0.5}, {"7.", 7},
+                {"1E-2", 0.01}, {"-0", -0.0},      {"1e-400", 0}};
     for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
         double x = 99;
         CHECK_REPORT(number_parse(good[i].text, strlen(good[i].text), &x), "'%s' was refused", good[i].text);
         CHECK_SAME_BITS(x, good[i].value);
     }
-    static const char *const bad[] = {"",    " 1",  "1 ",   "1x",  "0x10", "1e",       ".",    "+",   "-",  "e5",
-                                      "1,5", "--1", "1e+-", "NaN", "Inf",  "infinity", "1e400", "-nan", "1_0"};
+    static const char *const bad[] = {"",    " 1",       "1 ",    "1x",   "0x10", "1e",   ".",
+                                      "+",   "-",        "e5",    "1,5",  "--1",  "1e+-", "NaN",
+                                      "Inf", "infinity", "1e400", "-nan", "1_0"};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         double x = 99;
         CHECK_REPORT(!number_parse(bad[i], strlen(bad[i]), &x), "'%s' was taken", bad[i]);

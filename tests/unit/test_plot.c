@@ -89,7 +89,8 @@ static double lightness(const char *colour)
     return 0.299 * (double)(rgb >> 16) + 0.587 * (double)(rgb >> 8 & 255) + 0.114 * (double)(rgb & 255);
 }
 
-/* The sequential map only gets lighter, the diverging one is lightest in its middle; ends are the tables' own. */
+/* The sequential map only gets lighter, the diverging one is lightest in its middle; ends are the tables'
+ * own. */
 TEST(colour_maps)
 {
     char colour[COLOUR_TEXT], before[COLOUR_TEXT];
@@ -126,7 +127,8 @@ TEST(texts_are_escaped)
     CHECK_CONTAINS(text, "viewBox=\"0 0 100 50.5\"");
     CHECK_CONTAINS(text, "<title>a&lt;b</title>");
     CHECK_CONTAINS(text, "x=\"1\" y=\"0\"");
-    CHECK_CONTAINS(text, "&lt;&amp;&quot;&gt; 10<tspan font-size=\"7.2\" dy=\"-3.6\">-3</tspan><tspan dy=\"3.6\"> </tspan>cm ");
+    CHECK_CONTAINS(text, "&lt;&amp;&quot;&gt; 10<tspan font-size=\"7.2\" dy=\"-3.6\">-3</tspan><tspan "
+                         "dy=\"3.6\"> </tspan>cm ");
     free(text);
 }
 
@@ -136,14 +138,16 @@ static void read_fake(size_t columns, size_t rows, struct vtp *vtp)
     struct dm2_error err = {0};
     fake_make(&f, columns, rows);
     const struct snapshot s = {&f.config, 200, f.elements, f.measured, f.n, f.pairs, f.n_pairs};
-    if (snapshot_write_vtp(scratch_path("s.vtp"), &s, &err) != DM2_OK || vtp_read(scratch_path("s.vtp"), vtp, &err) != DM2_OK) {
+    if (snapshot_write_vtp(scratch_path("s.vtp"), &s, &err) != DM2_OK ||
+        vtp_read(scratch_path("s.vtp"), vtp, &err) != DM2_OK) {
         printf("%s\n", err.text);
         exit(1);
     }
     fake_free(&f);
 }
 
-/* Every word that colours: one disc per element, well-formed, below the size that the paper's case may have. */
+/* Every word that colours: one disc per element, well-formed, below the size that the paper's case may have.
+ */
 TEST(pictures)
 {
     struct vtp vtp;
@@ -153,7 +157,8 @@ TEST(pictures)
     snprintf(words, sizeof words, "%s", picture_colours());
     for (char *word = strtok(words, " "); word != NULL; word = strtok(NULL, " ")) {
         size_t size;
-        const struct picture_options options = {.colour = word, .links = true, .range = {NAN, NAN}, .title = "A <title>"};
+        const struct picture_options options = {
+            .colour = word, .links = true, .range = {NAN, NAN}, .title = "A <title>"};
         CHECK_EQ_INT(picture_write(scratch_path("p.svg"), &vtp, &options, &err), DM2_OK);
         CHECK_STR(err.text, "");
         char *text = well_formed("p.svg", &size);
@@ -239,13 +244,14 @@ TEST(charts)
         {.name = "measured", .x = x, .y = y, .n = 5, .colour = 0, .line = true, .markers = true},
         {.name = "model & more", .x = x, .y = z, .n = 5, .colour = 1, .line = true, .dashed = true},
     };
-    struct chart chart = {.title = "T", .x_label = "x [us]", .y_label = "y", .log_y = true, .series = series, .n_series = 2};
+    struct chart chart = {
+        .title = "T", .x_label = "x [us]", .y_label = "y", .log_y = true, .series = series, .n_series = 2};
     struct dm2_error err = {0};
     CHECK_EQ_INT(chart_write(scratch_path("c.svg"), &chart, &err), DM2_OK);
     CHECK_STR(err.text, "");
     char *text = well_formed("c.svg", NULL);
     CHECK_CONTAINS(text, ">model &amp; more</text>");
-    CHECK_EQ_INT(count(text, "stroke-dasharray"), 2); /* the curve and its sample */
+    CHECK_EQ_INT(count(text, "stroke-dasharray"), 2);   /* the curve and its sample */
     CHECK_EQ_INT(count(text, "a4 4 0 1 0 8 0"), 3 + 1); /* drawable points and the sample */
     CHECK_CONTAINS(text, ">100</text>");
     free(text);
@@ -271,6 +277,6 @@ TEST(end)
     scratch_end();
 }
 
-TEST_MAIN(CASE(begin), CASE(ticks), CASE(shared_factor), CASE(round_lengths), CASE(colour_maps), CASE(texts_are_escaped),
-          CASE(pictures), CASE(legend_and_scale), CASE(elements_beyond_the_picture), CASE(no_elements),
-          CASE(pictures_refused), CASE(charts), CASE(end))
+TEST_MAIN(CASE(begin), CASE(ticks), CASE(shared_factor), CASE(round_lengths), CASE(colour_maps),
+          CASE(texts_are_escaped), CASE(pictures), CASE(legend_and_scale), CASE(elements_beyond_the_picture),
+          CASE(no_elements), CASE(pictures_refused), CASE(charts), CASE(end))

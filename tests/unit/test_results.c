@@ -1,4 +1,5 @@
-/* The run directory: names, the history's columns and values, overwriting, aborting, and a disk that is full. */
+/* The run directory: names, the history's columns and values, overwriting, aborting, and a disk that is full.
+ */
 #include "check.h"
 #include "fake_state.h"
 #include "scratch.h"
@@ -155,14 +156,17 @@ TEST(history_rows)
     CHECK_EQ_INT(results_history(r, 40, &m, &err), DM2_OK);
     CHECK_EQ_INT(results_close(r, &err), DM2_OK);
     char *text = scratch_read("history/history.csv", NULL);
-    CHECK_STR(text,
-              "step,time [us],kinetic [g cm2/us2],potential [g cm2/us2],elastic [g cm2/us2],thermal [g cm2/us2],"
-              "work [g cm2/us2],total [g cm2/us2],momentum_x [g cm/us],momentum_y [g cm/us],angular_momentum [g cm2/us],"
-              "elements,links,contacts,temperature_max [K],pressure_min [Mbar],pressure_max [Mbar],surface_x [cm],"
-              "surface_y [cm],surface_vx [cm/us],surface_vy [cm/us],spall_x [cm],spall_y [cm],spall_vx [cm/us],"
-              "spall_vy [cm/us]\n"
-              "40,1,1.25,0.5,0.125,9.313225746154785e-10,0.0625,1.8125000009313226,-3,0.1,7,1689,4903,12,311.5,-0.25,0.75,"
-              "2,0.25,-0.5,0.125,nan,nan,nan,nan\n");
+    CHECK_STR(
+        text,
+        "step,time [us],kinetic [g cm2/us2],potential [g cm2/us2],elastic [g cm2/us2],thermal [g cm2/us2],"
+        "work [g cm2/us2],total [g cm2/us2],momentum_x [g cm/us],momentum_y [g cm/us],angular_momentum [g "
+        "cm2/us],"
+        "elements,links,contacts,temperature_max [K],pressure_min [Mbar],pressure_max [Mbar],surface_x [cm],"
+        "surface_y [cm],surface_vx [cm/us],surface_vy [cm/us],spall_x [cm],spall_y [cm],spall_vx [cm/us],"
+        "spall_vy [cm/us]\n"
+        "40,1,1.25,0.5,0.125,9.313225746154785e-10,0.0625,1.8125000009313226,-3,0.1,7,1689,4903,12,311.5,-0."
+        "25,0.75,"
+        "2,0.25,-0.5,0.125,nan,nan,nan,nan\n");
     free(text);
     CHECK_EQ_INT(csv_read(scratch_path("history/history.csv"), &csv, &err), DM2_OK);
     CHECK_EQ_INT(csv.n_columns, 25);
@@ -183,9 +187,12 @@ TEST(not_empty_is_an_error)
     CHECK_CONTAINS(err.text, scratch_path("full"));
     CHECK_CONTAINS(err.text, "is not empty; name another one with -o DIR, or give --overwrite");
     CHECK_EQ_INT(entries("full"), 1);
-    CHECK_EQ_INT(results_open(scratch_path("full/notes.txt"), true, &f.config, scales, digest, &r, &err), DM2_IO);
+    CHECK_EQ_INT(results_open(scratch_path("full/notes.txt"), true, &f.config, scales, digest, &r, &err),
+                 DM2_IO);
     CHECK_CONTAINS(err.text, "full/notes.txt: cannot use it as the run directory: Not a directory");
-    CHECK_EQ_INT(results_open(scratch_path("full/notes.txt/below"), true, &f.config, scales, digest, &r, &err), DM2_IO);
+    CHECK_EQ_INT(
+        results_open(scratch_path("full/notes.txt/below"), true, &f.config, scales, digest, &r, &err),
+        DM2_IO);
     CHECK_CONTAINS(err.text, "full/notes.txt/below: cannot make the directory: Not a directory");
     CHECK_EQ_INT(results_open("", true, &f.config, scales, digest, &r, &err), DM2_IO);
     fake_free(&f);
@@ -196,10 +203,14 @@ TEST(overwrite_replaces_only_our_files)
 {
     struct fake f;
     struct dm2_error err = {0};
-    static const char *const ours[] = {"history.csv",      "final.dm2",
-                                       "run.log",          "timing.csv",
-                                       "history.csv.part", "snapshots/state-000000007.vtp",
-                                       "snapshots/state-000000007.xyz.part", "snapshots/series.pvd"};
+    static const char *const ours[] = {"history.csv",
+                                       "final.dm2",
+                                       "run.log",
+                                       "timing.csv",
+                                       "history.csv.part",
+                                       "snapshots/state-000000007.vtp",
+                                       "snapshots/state-000000007.xyz.part",
+                                       "snapshots/series.pvd"};
     static const char *const theirs[] = {"notes.txt", "history.csv.orig", "snapshots/state-best.vtp",
                                          "snapshots/state-000000007.vtp.bak", "snapshots/state-7.png"};
     fake_make(&f, 2, 2);
@@ -270,7 +281,8 @@ TEST(full_disk)
     struct results *r = open_results(&f, "disk", false);
     limit_file_size(4096);
     CHECK_EQ_INT(results_snapshot(r, 7, f.elements, f.measured, f.n, f.pairs, f.n_pairs, &err), DM2_IO);
-    snprintf(path, sizeof path, "%s: cannot write: File too large", scratch_path("disk/snapshots/state-000000007.vtp"));
+    snprintf(path, sizeof path, "%s: cannot write: File too large",
+             scratch_path("disk/snapshots/state-000000007.vtp"));
     CHECK_STR(err.text, path);
     CHECK_EQ_INT(results_final(r, 7, f.elements, f.n, f.pairs, f.n_pairs, &err), DM2_IO);
     CHECK_CONTAINS(err.text, "disk/final.dm2: cannot write: File too large");
@@ -319,5 +331,6 @@ TEST(end)
 }
 
 TEST_MAIN(CASE(begin), CASE(default_directory), CASE(steps_that_are_due), CASE(whole_run), CASE(history_rows),
-          CASE(not_empty_is_an_error), CASE(overwrite_replaces_only_our_files), CASE(abort_leaves_nothing_half_written),
-          CASE(full_disk), CASE(directory_that_cannot_be_written), CASE(end))
+          CASE(not_empty_is_an_error), CASE(overwrite_replaces_only_our_files),
+          CASE(abort_leaves_nothing_half_written), CASE(full_disk), CASE(directory_that_cannot_be_written),
+          CASE(end))

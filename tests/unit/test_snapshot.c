@@ -31,7 +31,8 @@ static void check_well_formed(const char *name)
 static const double *values(const struct vtp *vtp, const char *name, size_t components)
 {
     const struct vtp_array *a = vtp_find(vtp, "PointData", name);
-    CHECK_REPORT(a != NULL && a->components == components, "no array '%s' of %zu components", name, components);
+    CHECK_REPORT(a != NULL && a->components == components, "no array '%s' of %zu components", name,
+                 components);
     if (a == NULL || a->components != components)
         exit(1);
     return a->values;
@@ -92,7 +93,8 @@ TEST(vtp_round_trip)
         CHECK_EQ_INT(vtp.n_points, f.n);
         check_values(&vtp, &f);
         check_field_data(&vtp);
-        const struct vtp_array *verts = vtp_find(&vtp, "Verts", "connectivity"), *ends = vtp_find(&vtp, "Verts", "offsets");
+        const struct vtp_array *verts = vtp_find(&vtp, "Verts", "connectivity"),
+                               *ends = vtp_find(&vtp, "Verts", "offsets");
         CHECK_EQ_INT(verts->n_tuples, f.n);
         CHECK_EQ_INT(verts->values[f.n - 1], f.n - 1);
         CHECK_EQ_INT(ends->values[f.n - 1], f.n);
@@ -114,7 +116,8 @@ TEST(lines_are_the_linked_pairs)
     for (size_t p = 0; p < f.n_pairs; p++) {
         if (f.pairs[p].linked == 0)
             continue;
-        CHECK(line < vtp.n_lines && vtp.line[2 * line] == f.pairs[p].id_a && vtp.line[2 * line + 1] == f.pairs[p].id_b);
+        CHECK(line < vtp.n_lines && vtp.line[2 * line] == f.pairs[p].id_a &&
+              vtp.line[2 * line + 1] == f.pairs[p].id_b);
         line++;
     }
     CHECK_EQ_INT(vtp.n_lines, line);
@@ -193,18 +196,36 @@ TEST(xyz_round_trip)
     struct snapshot s = snapshot_of(&f);
     CHECK_EQ_INT(snapshot_write_xyz(scratch_path("s.xyz"), &s, &err), DM2_OK);
     char *text = scratch_read("s.xyz", NULL);
-    static const char head[] = "10\nLattice=\"0.2 0 0 0 0.08 0 0 0 1\" Origin=\"0 0 -0.5\" pbc=\"T F F\" Properties=";
+    static const char head[] =
+        "10\nLattice=\"0.2 0 0 0 0.08 0 0 0 1\" Origin=\"0 0 -0.5\" pbc=\"T F F\" Properties=";
     CHECK_EQ_INT(strncmp(text, head, strlen(head)), 0);
-    CHECK_CONTAINS(text, "Properties=species:S:1:pos:R:3:id:I:1:kind:I:1:body:I:1:grain:I:1:radius:R:1:velo:R:3:"
-                         "angular_velocity:R:1:temperature:R:1:pressure:R:1:stress_xx:R:1:stress_yy:R:1:stress_xy:R:1:"
-                         "links:I:1:contacts:I:1 Time=5 Step=200\n");
+    CHECK_CONTAINS(
+        text, "Properties=species:S:1:pos:R:3:id:I:1:kind:I:1:body:I:1:grain:I:1:radius:R:1:velo:R:3:"
+              "angular_velocity:R:1:temperature:R:1:pressure:R:1:stress_xx:R:1:stress_yy:R:1:stress_xy:R:1:"
+              "links:I:1:contacts:I:1 Time=5 Step=200\n");
     const char *at = strchr(strchr(text, '\n') + 1, '\n');
     for (size_t i = 0; i < f.n; i++) {
         const struct element *e = &f.elements[i];
         const struct element_measure *m = &f.measured[i];
-        const double want[] = {e->r[0],   e->r[1],        0,    e->id,          e->kind,      e->body,      e->grain,
-                               e->radius, m->velocity[0], m->velocity[1], 0,    e->w,         m->temperature, e->p,
-                               m->stress[0], m->stress[1], m->stress[2], m->links, m->contacts};
+        const double want[] = {e->r[0],
+                               e->r[1],
+                               0,
+                               e->id,
+                               e->kind,
+                               e->body,
+                               e->grain,
+                               e->radius,
+                               m->velocity[0],
+                               m->velocity[1],
+                               0,
+                               e->w,
+                               m->temperature,
+                               e->p,
+                               m->stress[0],
+                               m->stress[1],
+                               m->stress[2],
+                               m->links,
+                               m->contacts};
         char buffer[64];
         at = word(at, buffer, sizeof buffer, NULL);
         CHECK_STR(buffer, f.materials[e->kind].name);
@@ -254,7 +275,8 @@ TEST(reader_refuses)
     check_spoiled(text, "LittleEndian", "BigEndian", "only little-endian");
     check_spoiled(text, "Name=\"id\"", "Name=\"id\" Name=\"x\"", "an attribute is there twice");
     check_spoiled(text, "type=\"UInt16\"", "type=\"Complex\"", "unknown type");
-    check_spoiled(text, "type=\"UInt16\" Name=\"kind\" NumberOfComponents=\"1\" format=\"binary\">D", "type=\"UInt16\" Name=\"kind\" NumberOfComponents=\"1\" format=\"binary\">E",
+    check_spoiled(text, "type=\"UInt16\" Name=\"kind\" NumberOfComponents=\"1\" format=\"binary\">D",
+                  "type=\"UInt16\" Name=\"kind\" NumberOfComponents=\"1\" format=\"binary\">E",
                   "whose length is not the one that it announces");
     check_spoiled(text, "format=\"binary\">", "format=\"binary\">*", "not base64");
     check_spoiled(text, "format=\"ascii\">5<", "format=\"ascii\">5x<", "no number");
@@ -276,13 +298,31 @@ TEST(reader_refuses)
 TEST(xml_refuses)
 {
     static const char *const bad[] = {
-        "",           "text",          "<a>",          "<a></b>",        "<a/><b/>",      "<a x=1/>",
-        "<a x='1' x='2'/>", "<a x='1'y='2'/>", "<a>&</a>",  "<a>&nope;</a>",  "<a x='<'/>",    "<a><!-- -- --></a>",
-        "</a>",       "<a/>x",         "<1/>",         "<a>\x01</a>",    "<a><?xml?></a>", "<a b='1'",
-        "<!DOCTYPE a><a/>", "<a>&#;</a>",
+        "",
+        "text",
+        "<a>",
+        "<a></b>",
+        "<a/><b/>",
+        "<a x=1/>",
+        "<a x='1' x='2'/>",
+        "<a x='1'y='2'/>",
+        "<a>&</a>",
+        "<a>&nope;</a>",
+        "<a x='<'/>",
+        "<a><!-- -- --></a>",
+        "</a>",
+        "<a/>x",
+        "<1/>",
+        "<a>\x01</a>",
+        "<a><?xml?></a>",
+        "<a b='1'",
+        "<!DOCTYPE a><a/>",
+        "<a>&#;</a>",
     };
     static const char *const good[] = {
-        "<a/>", "<?xml version=\"1.0\"?>\n<!-- c -->\n<a x='\"' y=\"'\">t &amp; &#65; &#x4a;<b/></a >\n", "<a\n x = '1' />",
+        "<a/>",
+        "<?xml version=\"1.0\"?>\n<!-- c -->\n<a x='\"' y=\"'\">t &amp; &#65; &#x4a;<b/></a >\n",
+        "<a\n x = '1' />",
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         struct xml xml;
@@ -311,5 +351,5 @@ TEST(end)
 }
 
 TEST_MAIN(CASE(begin), CASE(vtp_round_trip), CASE(lines_are_the_linked_pairs), CASE(no_line_across_the_seam),
-          CASE(absent_element_of_a_pair), CASE(series), CASE(xyz_round_trip), CASE(reader_refuses), CASE(xml_refuses),
-          CASE(end))
+          CASE(absent_element_of_a_pair), CASE(series), CASE(xyz_round_trip), CASE(reader_refuses),
+          CASE(xml_refuses), CASE(end))

@@ -16,9 +16,9 @@ struct axis {
     int exponent; /* the labels are to be multiplied by 10^exponent; 0: they are the values */
 };
 
-/* Ticks for [low, high], about `about` of them (2 to 10), at round values. With `extend` the range grows to the next
- * tick on both sides, else the ticks lie inside. An empty or reversed range is widened first. A logarithmic axis
- * needs low > 0. Values must be finite. */
+/* Ticks for [low, high], about `about` of them (2 to 10), at round values. With `extend` the range grows to
+ * the next tick on both sides, else the ticks lie inside. An empty or reversed range is widened first. A
+ * logarithmic axis needs low > 0. Values must be finite. */
 void axis_make(struct axis *axis, double low, double high, bool log, bool extend, int about);
 
 /* The factor that the labels leave out, "x 10^{-3}" with a true minus sign; empty where exponent is 0. */

@@ -23,8 +23,8 @@ struct chart {
     size_t n_series;
 };
 
-/* Draws the chart. A point that is not finite, or not positive on a logarithmic axis, is left out and interrupts its
- * line. DM2_USAGE where no point is left; DM2_IO, DM2_MEMORY. */
+/* Draws the chart. A point that is not finite, or not positive on a logarithmic axis, is left out and
+ * interrupts its line. DM2_USAGE where no point is left; DM2_IO, DM2_MEMORY. */
 enum dm2_status chart_write(const char *path, const struct chart *chart, struct dm2_error *err);
 
 #endif

@@ -1,4 +1,5 @@
-/* Pictures of a state: every element a disc to scale, coloured by what it is or by what was measured of it. */
+/* Pictures of a state: every element a disc to scale, coloured by what it is or by what was measured of it.
+ */
 #ifndef DM2_PLOT_PICTURE_H
 #define DM2_PLOT_PICTURE_H
 
@@ -20,8 +21,8 @@ struct picture_options {
 const char *picture_colours(void);
 
 /* Draws the state. The picture shows the domain, and beyond it, up to half of its larger side, the elements
- * that left it; those further out are counted in the subtitle. DM2_USAGE: a colour that is not known, that the file
- * has no array for, or a range or width that is none; DM2_IO, DM2_MEMORY. */
+ * that left it; those further out are counted in the subtitle. DM2_USAGE: a colour that is not known, that
+ * the file has no array for, or a range or width that is none; DM2_IO, DM2_MEMORY. */
 enum dm2_status picture_write(const char *path, const struct vtp *vtp, const struct picture_options *options,
                               struct dm2_error *err);
 

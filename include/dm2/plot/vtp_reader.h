@@ -1,4 +1,5 @@
-/* Reads snapshots back: VTK PolyData as this project writes it (dm2/sim/snapshot.h), into arrays of doubles. */
+/* Reads snapshots back: VTK PolyData as this project writes it (dm2/sim/snapshot.h), into arrays of doubles.
+ */
 #ifndef DM2_PLOT_VTP_READER_H
 #define DM2_PLOT_VTP_READER_H
 
@@ -31,9 +32,9 @@ struct vtp {
     const double *line;     /* n_lines x 2 indices of points, checked */
 };
 
-/* Reads a .vtp. DM2_IO, DM2_MEMORY; DM2_PROTOCOL with path:line where it is no well-formed PolyData with one piece of
- * inline binary (UInt64 headers, little-endian) or ascii arrays, an array has another length than its points
- * ask for, or a line names a point that is not there. vtp_free it. */
+/* Reads a .vtp. DM2_IO, DM2_MEMORY; DM2_PROTOCOL with path:line where it is no well-formed PolyData with one
+ * piece of inline binary (UInt64 headers, little-endian) or ascii arrays, an array has another length than
+ * its points ask for, or a line names a point that is not there. vtp_free it. */
 enum dm2_status vtp_read(const char *path, struct vtp *out, struct dm2_error *err);
 void vtp_free(struct vtp *vtp);
 

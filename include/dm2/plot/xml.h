@@ -1,7 +1,7 @@
 /* A small pull parser for XML: enough for VTK's files and our own pictures, and strict about well-formedness.
  *
- * Known: elements, attributes, text, comments, the XML declaration, the five named entities and numeric ones. A
- * document type, CDATA and other processing instructions are errors. Names are ASCII. */
+ * Known: elements, attributes, text, comments, the XML declaration, the five named entities and numeric ones.
+ * A document type, CDATA and other processing instructions are errors. Names are ASCII. */
 #ifndef DM2_PLOT_XML_H
 #define DM2_PLOT_XML_H
 
@@ -42,6 +42,7 @@ void xml_open(struct xml *x, const char *path, const char *text, size_t length);
 /* The next event. XML_ERROR: not well-formed; *err says path:line and what. No further call then. */
 enum xml_event xml_next(struct xml *x, struct dm2_error *err);
 
+/* Whether the span holds just this text. */
 bool xml_is(struct xml_span span, const char *text);
 
 /* The value of an attribute of the element that began last, raw; .at is NULL where there is none. */
