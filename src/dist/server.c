@@ -541,7 +541,8 @@ enum dm2_status server_session(int fd, const char *peer, const struct server_opt
         status = finish(&s, err);
     if (status != DM2_OK && status != DM2_NET)
         tell_client(&s, err);
-    channel_hang_up(&s.channel, deadline_in(HANG_UP_SECONDS, options->cancel));
+    channel_hang_up(&s.channel,
+                    deadline_in(HANG_UP_SECONDS, -1)); /* a signal does not cut the last message */
     free_session(&s);
     summary->seconds = clock_now() - start;
     return status;
