@@ -562,7 +562,7 @@ static void log_session(const struct session_summary *sum, enum dm2_status statu
     for (char *c = line; *c != '\0'; c++)
         if (*c == '\n')
             *c = ' ';
-    log(context, peer, line, status != DM2_OK);
+    log(context, status == DM2_OK ? SERVER_DONE : SERVER_FAILED, peer, line);
 }
 
 enum dm2_status server_serve(int listener, const struct server_options *options, bool once, server_log log,
@@ -581,6 +581,7 @@ enum dm2_status server_serve(int listener, const struct server_options *options,
         if (fd < 0)
             continue;
         struct session_summary summary;
+        log(context, SERVER_CONNECTED, peer, "connected");
         status = server_session(fd, peer, options, &summary, err);
         log_session(&summary, status, err, log, context, peer);
         if (once || status == DM2_INTERRUPTED)

@@ -8,17 +8,11 @@
 
 #include "dm2/base/status.h"
 #include "dm2/dist/decomposition.h"
+#include "dm2/dist/hosts.h"
 #include "dm2/dist/report.h"
 #include "dm2/sim/deck.h"
 #include "dm2/sim/model.h"
 #include "dm2/sim/results.h"
-
-enum { HOST_MAX = 255 };
-
-struct endpoint {
-    char host[HOST_MAX + 1];
-    int port;
-};
 
 /* What a program may want to show while it runs. Any may be NULL. */
 struct client_events {

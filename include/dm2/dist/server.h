@@ -30,8 +30,14 @@ struct session_summary {
 enum dm2_status server_session(int fd, const char *peer, const struct server_options *options,
                                struct session_summary *summary, struct dm2_error *err);
 
-/* A line of the log: who, and what happened. `failed`: the session did not come to its end. */
-typedef void (*server_log)(void *context, const char *peer, const char *line, bool failed);
+enum server_event {
+    SERVER_CONNECTED, /* a client is there */
+    SERVER_DONE,      /* its session came to its end, */
+    SERVER_FAILED     /* or did not */
+};
+
+/* A line of the log: who, and what happened. */
+typedef void (*server_log)(void *context, enum server_event event, const char *peer, const char *line);
 
 /* Serves until asked to end (DM2_INTERRUPTED), or with `once` for one session, which it waits for `timeout`
  * seconds: DM2_OK, the session's own failure, or DM2_TIMEOUT. Whatever a client does, the next one is served.
