@@ -1,8 +1,9 @@
 /* Bounded byte streams.
  *
- * Every number goes byte by byte through shifts, so that the order is little-endian on any machine; compilers turn
- * the eight shifts of a double into one store. A reader never moves past its end: it compares what is asked for with
- * what remains before it touches anything, and a count is compared before anybody allocates by it. */
+ * Every number goes byte by byte through shifts, so that the order is little-endian on any machine; compilers
+ * turn the eight shifts of a double into one store. A reader never moves past its end: it compares what is
+ * asked for with what remains before it touches anything, and a count is compared before anybody allocates by
+ * it. */
 #include "dm2/base/bytes.h"
 
 #include <stdlib.h>

@@ -1,25 +1,26 @@
-/* CRC-32C by slicing: eight bytes per turn, each looked up in its own table. The tables are constants: an entry is the
- * sum (xor) of those of the bits of its index, so eight words per table give all 256. */
+/* CRC-32C by slicing: eight bytes per turn, each looked up in its own table. The tables are constants: an
+ * entry is the sum (xor) of those of the bits of its index, so eight words per table give all 256. */
 #include "dm2/base/crc32c.h"
 
-#define ENTRY(i, a, b, c, d, e, f, g, h)                                                                    \
-    (((i)&1 ? (a) : 0) ^ ((i)&2 ? (b) : 0) ^ ((i)&4 ? (c) : 0) ^ ((i)&8 ? (d) : 0) ^                        \
-     ((i)&16 ? (e) : 0) ^ ((i)&32 ? (f) : 0) ^ ((i)&64 ? (g) : 0) ^ ((i)&128 ? (h) : 0))
-#define FOUR(i, ...)                                                                                       \
-    ENTRY(i, __VA_ARGS__), ENTRY((i) + 1, __VA_ARGS__), ENTRY((i) + 2, __VA_ARGS__), ENTRY((i) + 3, __VA_ARGS__)
-#define SIXTEEN(i, ...)                                                                                    \
+#define ENTRY(i, a, b, c, d, e, f, g, h)                                                                     \
+    (((i)&1 ? (a) : 0) ^ ((i)&2 ? (b) : 0) ^ ((i)&4 ? (c) : 0) ^ ((i)&8 ? (d) : 0) ^ ((i)&16 ? (e) : 0) ^    \
+     ((i)&32 ? (f) : 0) ^ ((i)&64 ? (g) : 0) ^ ((i)&128 ? (h) : 0))
+#define FOUR(i, ...)                                                                                         \
+    ENTRY(i, __VA_ARGS__), ENTRY((i) + 1, __VA_ARGS__), ENTRY((i) + 2, __VA_ARGS__),                         \
+        ENTRY((i) + 3, __VA_ARGS__)
+#define SIXTEEN(i, ...)                                                                                      \
     FOUR(i, __VA_ARGS__), FOUR((i) + 4, __VA_ARGS__), FOUR((i) + 8, __VA_ARGS__), FOUR((i) + 12, __VA_ARGS__)
-#define SIXTYFOUR(i, ...)                                                                                  \
-    SIXTEEN(i, __VA_ARGS__), SIXTEEN((i) + 16, __VA_ARGS__), SIXTEEN((i) + 32, __VA_ARGS__),               \
+#define SIXTYFOUR(i, ...)                                                                                    \
+    SIXTEEN(i, __VA_ARGS__), SIXTEEN((i) + 16, __VA_ARGS__), SIXTEEN((i) + 32, __VA_ARGS__),                 \
         SIXTEEN((i) + 48, __VA_ARGS__)
-#define TABLE(...)                                                                                         \
-    {                                                                                                      \
-        SIXTYFOUR(0, __VA_ARGS__), SIXTYFOUR(64, __VA_ARGS__), SIXTYFOUR(128, __VA_ARGS__),                \
-            SIXTYFOUR(192, __VA_ARGS__)                                                                    \
+#define TABLE(...)                                                                                           \
+    {                                                                                                        \
+        SIXTYFOUR(0, __VA_ARGS__), SIXTYFOUR(64, __VA_ARGS__), SIXTYFOUR(128, __VA_ARGS__),                  \
+            SIXTYFOUR(192, __VA_ARGS__)                                                                      \
     }
 
-/* Row 0 bit b: the remainder of the byte 1 << b, polynomial 0x82f63b78 (reflected); row k: of that byte followed by k
- * zero bytes. */
+/* Row 0 bit b: the remainder of the byte 1 << b, polynomial 0x82f63b78 (reflected); row k: of that byte
+ * followed by k zero bytes. */
 static const uint32_t table[8][256] = {
     TABLE(0xf26b8303, 0xe13b70f7, 0xc79a971f, 0x8ad958cf, 0x105ec76f, 0x20bd8ede, 0x417b1dbc, 0x82f63b78),
     TABLE(0x13a29877, 0x274530ee, 0x4e8a61dc, 0x9d14c3b8, 0x3fc5f181, 0x7f8be302, 0xff17c604, 0xfbc3faf9),

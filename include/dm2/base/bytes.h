@@ -1,5 +1,5 @@
-/* Bounded byte streams: how numbers become bytes, little-endian, and how bytes that came from elsewhere become
- * numbers again without trusting them.
+/* Bounded byte streams: how numbers become bytes, little-endian, and how bytes that came from elsewhere
+ * become numbers again without trusting them.
  *
  * Both ends are sticky: after the first failure every further call does nothing (a get gives 0), so a whole
  * message is coded in a row and `failed` is looked at once, at its end. */
@@ -59,12 +59,12 @@ void bytes_get_f64s(struct bytes_reader *r, double *out, size_t n);
 /* n bytes in place, or NULL and failed. */
 const unsigned char *bytes_get_raw(struct bytes_reader *r, size_t n);
 
-/* A u32 count of items that take at least `item_size` bytes each: fails where the bytes that remain cannot hold
- * them, so that the count is safe to allocate by. */
+/* A u32 count of items that take at least `item_size` bytes each: fails where the bytes that remain cannot
+ * hold them, so that the count is safe to allocate by. */
 size_t bytes_get_count(struct bytes_reader *r, size_t item_size);
 
-/* A text as bytes_put_text wrote it, at most `most` bytes and without a NUL inside; malloc'd and terminated. NULL and
- * failed otherwise. *length may be NULL. */
+/* A text as bytes_put_text wrote it, at most `most` bytes and without a NUL inside; malloc'd and terminated.
+ * NULL and failed otherwise. *length may be NULL. */
 char *bytes_get_text(struct bytes_reader *r, size_t most, size_t *length);
 
 /* Everything was read, nothing failed and nothing trails. */

@@ -5,7 +5,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* The checksum of n more bytes after those that gave `crc`; start with 0. Piecewise is the same as at once. */
+/* The checksum of n more bytes after those that gave `crc`; start with 0. Piecewise is the same as at once.
+ */
 uint32_t crc32c(uint32_t crc, const void *data, size_t n);
 
 #endif

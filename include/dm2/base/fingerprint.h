@@ -1,7 +1,8 @@
 /* The arithmetic fingerprint: does this machine, as compiled, compute as IEEE 754 says?
  *
- * The promise of the same bits rests on + - * / and sqrt of doubles rounding once, to nearest, with subnormals and
- * without contraction. Client and servers compare fingerprints before they compute together. */
+ * The promise of the same bits rests on + - * / and sqrt of doubles rounding once, to nearest, with
+ * subnormals and without contraction. Client and servers compare fingerprints before they compute together.
+ */
 #ifndef DM2_BASE_FINGERPRINT_H
 #define DM2_BASE_FINGERPRINT_H
 
