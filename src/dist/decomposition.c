@@ -1,96 +1,13 @@
-/* Recursive bisection of the cell grid.
- *
- * bisect() holds a rectangle and the ranks first .. first+n-1 that share it, n at most its number of cells.
- * It picks the direction whose cut is shorter, the share of ranks (half and half where that can be), and the
- * column or row where the parts come closest to the shares; then each part does the same. Both parts always
- * keep at least one cell per rank, so the recursion cannot run dry: where no cut leaves room for the halves
- * (9 ranks on 3 x 3 cells), unequal shares are tried, nearest first; a cut after the first column always
- * exists.
+/* The assignment of cells to ranks: the rectangles of base/bisect, and the owner of every cell.
  *
  * Boundaries are found by looking at the cells beyond the rectangle's rim through owner[], so that periodic
  * sides and sides that meet several ranks need no cases of their own. */
 #include "dm2/dist/decomposition.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "dm2/base/mem.h"
-
-struct bisection {
-    struct decomposition *d;
-    const uint32_t *weights; /* per cell, or NULL: each counts 1 */
-};
-
-static size_t rect_cells(const struct cell_rect *r)
-{
-    return (size_t)(r->x1 - r->x0) * (size_t)(r->y1 - r->y0);
-}
-
-static uint64_t rect_weight(const struct decomposition *d, const uint32_t *weights, const struct cell_rect *r)
-{
-    if (weights == NULL)
-        return rect_cells(r);
-    uint64_t sum = 0;
-    for (int j = r->y0; j < r->y1; j++)
-        for (int i = r->x0; i < r->x1; i++)
-            sum += weights[(size_t)j * (size_t)d->grid.cx + (size_t)i];
-    return sum;
-}
-
-/* The two parts of r when it is cut `at` cells from its start along axis 0 (x) or 1 (y). */
-static void cut_rect(const struct cell_rect *r, int axis, int at, struct cell_rect part[2])
-{
-    part[0] = part[1] = *r;
-    if (axis == 0)
-        part[0].x1 = part[1].x0 = r->x0 + at;
-    else
-        part[0].y1 = part[1].y0 = r->y0 + at;
-}
-
-/* The best cut along `axis` that gives `low` of `n` ranks the first part: its distance, or 0 where none
- * leaves every rank a cell. */
-static int find_cut(const struct bisection *b, const struct cell_rect *r, int axis, int n, int low)
-{
-    int along = axis == 0 ? r->x1 - r->x0 : r->y1 - r->y0, best = 0;
-    uint64_t total = rect_weight(b->d, b->weights, r), before = 0;
-    double want = (double)total * low / n, best_miss = INFINITY;
-    for (int at = 1; at < along; at++) {
-        struct cell_rect part[2], strip[2];
-        cut_rect(r, axis, at, part);
-        cut_rect(&part[0], axis, at - 1, strip);
-        before += rect_weight(b->d, b->weights, &strip[1]); /* the column or row that this cut adds */
-        double miss = fabs((double)before - want);
-        if (rect_cells(&part[0]) >= (size_t)low && rect_cells(&part[1]) >= (size_t)(n - low) &&
-            miss < best_miss) {
-            best_miss = miss;
-            best = at;
-        }
-    }
-    return best;
-}
-
-static void bisect(const struct bisection *b, struct cell_rect r, int first, int n)
-{
-    if (n == 1) {
-        b->d->rect[first] = r;
-        return;
-    }
-    double width = (r.x1 - r.x0) * b->d->grid.lx, height = (r.y1 - r.y0) * b->d->grid.ly;
-    int longer = width >= height ? 0 : 1, at = 0, low = n / 2, axis = longer;
-    for (int away = 0; at == 0 && away < n; away++) {
-        for (int k = 0; at == 0 && k < 4; k++) {
-            axis = k < 2 ? longer : 1 - longer;
-            low = k % 2 == 0 ? n / 2 - away : n / 2 + away;
-            if (low >= 1 && low < n)
-                at = find_cut(b, &r, axis, n, low);
-        }
-    }
-    struct cell_rect part[2];
-    cut_rect(&r, axis, at, part);
-    bisect(b, part[0], first, low);
-    bisect(b, part[1], first + low, n - low);
-}
 
 static enum dm2_status allocate(const struct grid *grid, int ranks, struct decomposition *out,
                                 struct dm2_error *err)
@@ -116,19 +33,12 @@ enum dm2_status decomposition_bisect(const struct grid *grid, int ranks, const u
                                      struct decomposition *out, struct dm2_error *err)
 {
     *out = (struct decomposition){0};
-    if (ranks < 1 || ranks > DECOMPOSITION_RANKS_MAX)
-        return dm2_fail(err, DM2_USAGE, "%d servers: 1 to %d can be used", ranks, DECOMPOSITION_RANKS_MAX);
-    size_t cells = (size_t)grid->cx * (size_t)grid->cy;
-    if (cells < (size_t)ranks)
-        return dm2_fail(err, DM2_USAGE,
-                        "%d servers for a grid of %zu cells (%d x %d): each server needs at least one cell, "
-                        "use %zu servers or fewer",
-                        ranks, cells, grid->cx, grid->cy, cells);
-    enum dm2_status status = allocate(grid, ranks, out, err);
+    enum dm2_status status = bisect_check(grid->cx, grid->cy, ranks, err);
+    if (status == DM2_OK)
+        status = allocate(grid, ranks, out, err);
     if (status != DM2_OK)
         return status;
-    const struct bisection b = {.d = out, .weights = weights};
-    bisect(&b, (struct cell_rect){.x0 = 0, .y0 = 0, .x1 = grid->cx, .y1 = grid->cy}, 0, ranks);
+    bisect_grid(grid->cx, grid->cy, grid->lx, grid->ly, ranks, weights, out->rect);
     for (int rank = 0; rank < ranks; rank++)
         fill_owner(out, rank);
     return DM2_OK;
@@ -148,7 +58,7 @@ enum dm2_status decomposition_from_rects(const struct grid *grid, int ranks, con
             return dm2_fail(err, DM2_PROTOCOL,
                             "rank %d has the cells %d..%d x %d..%d, outside the grid of %d x %d", k, r->x0,
                             r->x1, r->y0, r->y1, grid->cx, grid->cy);
-        covered += rect_cells(r);
+        covered += bisect_cells(r);
     }
     enum dm2_status status = allocate(grid, ranks, out, err);
     if (status != DM2_OK)
@@ -293,10 +203,10 @@ enum dm2_status decomposition_boundary(const struct decomposition *d, int rank, 
 
 size_t decomposition_cells(const struct decomposition *d, int rank)
 {
-    return rect_cells(&d->rect[rank]);
+    return bisect_cells(&d->rect[rank]);
 }
 
 uint64_t decomposition_weight(const struct decomposition *d, int rank, const uint32_t *weights)
 {
-    return rect_weight(d, weights, &d->rect[rank]);
+    return bisect_weight(d->grid.cx, weights, &d->rect[rank]);
 }

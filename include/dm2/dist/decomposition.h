@@ -8,15 +8,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "dm2/base/bisect.h"
 #include "dm2/base/status.h"
 #include "dm2/sim/grid.h"
 
-enum { DECOMPOSITION_RANKS_MAX = 65535 };
-
-/* Cells x0 <= i < x1, y0 <= j < y1. */
-struct cell_rect {
-    int x0, y0, x1, y1;
-};
+enum { DECOMPOSITION_RANKS_MAX = BISECT_PARTS_MAX };
 
 /* The eight-element array of a rank: sides first, then corners. */
 enum side {
@@ -38,10 +34,8 @@ struct decomposition {
     uint16_t *owner;        /* per cell; the engine's struct domain_map borrows it */
 };
 
-/* Bisects the grid for `ranks` ranks. Every cut goes across the longer side of its rectangle in cm, so that
- * the new interface is the shorter one; n ranks are split into floor(n/2) and ceil(n/2) with the cells in
- * proportion, or with `weights` (elements per cell) not NULL the weight. Every rank gets at least one cell.
- * DM2_USAGE: fewer cells than ranks (both numbers are named), or ranks outside 1..65535. DM2_MEMORY. */
+/* Bisects the grid for `ranks` ranks as bisect_grid does: by cells, or with `weights` (elements per cell) not NULL by
+ * weight. DM2_USAGE: fewer cells than ranks (both numbers are named), or ranks outside 1..65535. DM2_MEMORY. */
 enum dm2_status decomposition_bisect(const struct grid *grid, int ranks, const uint32_t *weights,
                                      struct decomposition *out, struct dm2_error *err);
 
