@@ -43,6 +43,24 @@ TEST(exact_sums_are_exact)
     CHECK_EQ_INT(s.lo, before.lo);
 }
 
+TEST(exact_sums_take_integer_units)
+{
+    struct exact_sum s = {0};
+    exact_add_units(&s, -3, 40);
+    CHECK_SAME_BITS(exact_value(&s, 40), -3.0);
+    exact_add_units(&s, 5, 0);
+    CHECK_SAME_BITS(exact_value(&s, 0), 5.0 - 3.0 * 0x1p40);
+    exact_add_units(&s, INT64_MAX, 62);
+    exact_add_units(&s, -INT64_MAX, 62);
+    CHECK_SAME_BITS(exact_value(&s, 0), 5.0 - 3.0 * 0x1p40);
+    for (int i = 0; i < 1000; i++) {
+        struct exact_sum t = {0};
+        double v = (random_uniform(9, i, 1) - 0.5) * pow(2.0, i % 40 - 20);
+        CHECK(exact_add(&t, v, 90));
+        CHECK_SAME_BITS(exact_value(&t, 90), v);
+    }
+}
+
 TEST(idmap_finds_what_was_added)
 {
     struct idmap map = {0};
@@ -84,5 +102,5 @@ TEST(memory_sizes_do_not_overflow)
     free(block);
 }
 
-TEST_MAIN(CASE(exact_sums_do_not_depend_on_order), CASE(exact_sums_are_exact), CASE(idmap_finds_what_was_added),
+TEST_MAIN(CASE(exact_sums_do_not_depend_on_order), CASE(exact_sums_are_exact), CASE(exact_sums_take_integer_units), CASE(idmap_finds_what_was_added),
           CASE(random_numbers_are_uniform), CASE(memory_sizes_do_not_overflow))
