@@ -54,6 +54,7 @@ bool deck_check(const struct deck_binding *b)
 {
     check_domain(b);
     check_materials(b);
+    check_chemistry(b);
     check_output(b);
     return check_bodies(b);
 }

@@ -121,7 +121,7 @@ static void make_element(const struct model *model, size_t body, uint32_t id, co
     const struct body_config *b = &c->bodies[body];
     int material = choose_material(b, id);
     const struct kind *kind = &model->kinds[material];
-    *e = (struct element){.id = id, .grain = (uint32_t)body, .body = (uint16_t)body, .kind = (uint16_t)material,
+    *e = (struct element){.id = id, .grain = (uint32_t)body, .body = (uint16_t)body, .kind = (uint16_t)material, .was = (uint16_t)material,
                           .flags = b->motion == MOTION_FREE ? 0 : ELEMENT_FIXED_MOTION, .radius = b->radius};
     e->mass = model_element_mass(&c->materials[material], b->radius);
     for (int a = 0; a < 2; a++) {
@@ -132,6 +132,8 @@ static void make_element(const struct model *model, size_t body, uint32_t id, co
     }
     if (isfinite(kind->cp))
         e->heat = e->mass * kind->cp * (b->temperature - kind->t0);
+    for (int a = 0; a < 2 && model->reaction.any; a++)
+        e->share[a] = material == model->reaction.reactant[a] ? 1.0 : 0.0;
     e->probes = probes_at(c, r);
 }
 

@@ -22,6 +22,8 @@
 #include "dm2/sim/generate.h"
 #include "dm2/sim/leapfrog.h"
 #include "dm2/sim/lists.h"
+#include "dm2/sim/phase.h"
+#include "dm2/sim/reaction.h"
 
 struct element_array {
     struct element *item;
@@ -60,6 +62,7 @@ struct subdomain {
     size_t cell_cap;
     size_t n_leaving;      /* emigrants of the last sort_out, still in their slots until take_in */
     struct pair_totals totals;
+    struct reaction_sums reacted; /* of the last evaluation */
     bool measured;         /* totals, virial, links and contacts are of the present step */
     struct subdomain_times times;
 };
@@ -338,7 +341,7 @@ static enum dm2_status gather(struct subdomain *sd, const struct parcel *parcels
     for (size_t q = 0; q < n_parcels; q++) {
         for (size_t k = 0; k < parcels[q].n_migrants; k++) {
             const struct element *e = &parcels[q].migrants[k];
-            if (e->kind >= sd->model->n_kinds || sd->map.owner[cell_of_element(sd, e->r)] != sd->rank)
+            if (e->kind >= sd->model->n_kinds || e->was >= sd->model->n_kinds || sd->map.owner[cell_of_element(sd, e->r)] != sd->rank)
                 return dm2_fail(err, DM2_PROTOCOL, "step %lld: element %u at (%g, %g) cm came to server %d, which does not own "
                                 "its cell", (long long)sd->step, e->id, e->r[0], e->r[1], sd->rank);
             in->newcomers[in->n_newcomers++] = e;
@@ -346,7 +349,7 @@ static enum dm2_status gather(struct subdomain *sd, const struct parcel *parcels
         for (size_t k = 0; k < parcels[q].n_mirrors; k++) {
             const struct element *e = &parcels[q].mirrors[k];
             int cell = cell_of_element(sd, e->r);
-            if (e->kind >= sd->model->n_kinds || sd->cells.local_of[cell] < sd->cells.n_own)
+            if (e->kind >= sd->model->n_kinds || e->was >= sd->model->n_kinds || sd->cells.local_of[cell] < sd->cells.n_own)
                 return dm2_fail(err, DM2_PROTOCOL, "step %lld: element %u at (%g, %g) cm came as a mirror to server %d, which does "
                                 "not mirror its cell", (long long)sd->step, e->id, e->r[0], e->r[1], sd->rank);
             in->mirrors[in->n_mirrors++] = (struct keyed){(uint64_t)sd->map.owner[cell] << 32 | e->id, e};
@@ -535,6 +538,7 @@ void subdomain_free(struct subdomain *sd)
     lists_free(&sd->lists);
     idmap_free(&sd->ids);
     free(sd->cell_of);
+    free(sd->reacted.item);
     free(sd);
 }
 
@@ -556,7 +560,8 @@ size_t subdomain_mirrored(const struct subdomain *sd)
 size_t subdomain_bytes(const struct subdomain *sd)
 {
     size_t bytes = sizeof *sd + particles_bytes(&sd->p) + lists_bytes(&sd->lists) + cells_bytes(&sd->cells, &sd->map) +
-                   sd->cell_cap * sizeof *sd->cell_of + sd->ids.slots * 8;
+                   sd->cell_cap * sizeof *sd->cell_of + sd->ids.slots * 8 +
+                   sd->reacted.cap * sizeof *sd->reacted.item;
     for (int r = 0; r < sd->map.ranks; r++)
         bytes += sd->peers[r].send.cap * sizeof(uint32_t) +
                  (sd->peers[r].migrants.cap + sd->peers[r].mirrors.cap) * sizeof(struct element) +
@@ -569,12 +574,16 @@ size_t subdomain_bytes(const struct subdomain *sd)
 enum dm2_status subdomain_forces(struct subdomain *sd, bool measure, struct dm2_error *err)
 {
     double started = clock_now();
-    bool totals = measure || sd->model->has_pressure;
-    enum dm2_status status =
-        force_evaluate(sd->model, &sd->p, &sd->lists, leapfrog_kick_time(sd->model, sd->step),
+    const struct model *m = sd->model;
+    bool pressure = m->has_pressure || m->has_phases, totals = measure || pressure;
+    enum dm2_status status = m->has_kinds ? phase_account(m, &sd->p, &sd->lists, sd->step, err) : DM2_OK;
+    if (status == DM2_OK)
+        status = force_evaluate(sd->model, &sd->p, &sd->lists, leapfrog_kick_time(sd->model, sd->step),
                        leapfrog_path_time(sd->model, sd->step), totals ? &sd->totals : NULL, sd->step, err);
-    if (status == DM2_OK && sd->model->has_pressure)
-        leapfrog_set_pressure(sd->model, &sd->p);
+    if (status == DM2_OK && m->reaction.any)
+        status = reaction_evaluate(m, &sd->p, &sd->lists, leapfrog_kick_time(m, sd->step), sd->step, &sd->reacted, err);
+    if (status == DM2_OK && pressure)
+        leapfrog_set_pressure(m, &sd->p);
     sd->measured = totals;
     sd->times.forces += clock_now() - started;
     return status;
@@ -599,6 +608,10 @@ static enum dm2_status integrate(struct subdomain *sd, bool drift, double *dmax,
 enum dm2_status subdomain_move(struct subdomain *sd, double *dmax, struct measures *out, struct dm2_error *err)
 {
     enum dm2_status status = integrate(sd, true, dmax, out, err);
+    if (status == DM2_OK && sd->model->reaction.any)
+        status = reaction_apply(sd->model, &sd->p, &sd->reacted, sd->step, err);
+    if (status == DM2_OK && sd->model->has_phases)
+        phase_apply(sd->model, &sd->p);
     sd->step++;
     sd->measured = false;
     return status;
@@ -614,12 +627,14 @@ enum dm2_status subdomain_measure_last(struct subdomain *sd, struct measures *ou
 unsigned subdomain_update_fields(const struct model *m)
 {
     return (m->has_damping ? UPDATE_VELOCITY : 0u) | (m->has_spin ? UPDATE_SPIN : 0u) | (m->has_heat ? UPDATE_HEAT : 0u) |
-           (m->has_pressure ? UPDATE_PRESSURE : 0u);
+           (m->has_pressure ? UPDATE_PRESSURE : 0u) | (m->has_kinds ? UPDATE_KIND : 0u) |
+           (m->reaction.any ? UPDATE_COMPOSITION : 0u);
 }
 
 size_t subdomain_update_width(const struct model *m)
 {
-    return 2u + (m->has_damping ? 2u : 0u) + (m->has_spin ? 1u : 0u) + (m->has_heat ? 1u : 0u) + (m->has_pressure ? 1u : 0u);
+    return 2u + (m->has_damping ? 2u : 0u) + (m->has_spin ? 1u : 0u) + (m->has_heat ? 1u : 0u) + (m->has_pressure ? 1u : 0u) +
+           (m->has_kinds ? 1u : 0u) + (m->reaction.any ? 2u : 0u);
 }
 
 size_t subdomain_send_count(const struct subdomain *sd, int dest)
@@ -651,7 +666,21 @@ void subdomain_pack_update(const struct subdomain *sd, int dest, double *out)
             *out++ = p->heat[i];
         if (m->has_pressure)
             *out++ = p->p[i];
+        if (m->has_kinds)
+            *out++ = (double)p->kind[i] + 65536.0 * (double)p->was[i];
+        for (size_t a = 0; a < 2 && m->reaction.any; a++)
+            *out++ = p->share[2 * i + a];
     }
+}
+
+/* Kind and the kind before, as one number of an update. False: there are none such. */
+static bool take_kind(const struct model *m, struct particles *p, size_t i, double packed)
+{
+    double was = floor(packed / 65536.0), kind = packed - 65536.0 * was, most = (double)m->n_kinds;
+    if (!(was >= 0.0 && was < most && kind < most && kind == floor(kind)))
+        return false;
+    phase_follow(m, p, i, (size_t)was, (size_t)kind);
+    return true;
 }
 
 enum dm2_status subdomain_take_update(struct subdomain *sd, int src, const double *in, struct dm2_error *err)
@@ -675,12 +704,17 @@ enum dm2_status subdomain_take_update(struct subdomain *sd, int src, const doubl
         }
         if (m->has_spin)
             p->w[i] = in[k++];
-        if (m->has_heat) {
+        if (m->has_heat)
             p->heat[i] = in[k++];
-            particles_warm(p, m, i);
-        }
         if (m->has_pressure)
             p->p[i] = in[k++];
+        if (m->has_kinds && !take_kind(m, p, i, in[k++]))
+            return dm2_fail(err, DM2_PROTOCOL, "step %lld: the update of element %u from server %d names a kind that the deck "
+                            "does not have", (long long)sd->step, p->id[i], src);
+        for (size_t a = 0; a < 2 && m->reaction.any; a++)
+            p->share[2 * i + a] = in[k++];
+        if (m->has_heat || m->has_kinds)
+            particles_warm(p, m, i);
     }
     return DM2_OK;
 }

@@ -11,9 +11,16 @@
 #include "dm2/sim/law.h"
 #include "dm2/sim/model.h"
 
-/* A kind of element: a material (and later its phase). */
+/* A kind of element: a material in one of its phases. Kind i is material i in its first phase for i < n_materials; the
+ * phases of the deck follow. */
 struct kind {
     int material;
+    const struct material_config *state; /* its constants; the config's */
+    const struct phase_config *phase;    /* how it forms; NULL: a first phase */
+    size_t from;                         /* kind that it forms from */
+    double size;                         /* radius over that in the first phase, sqrt(rho0 first / rho0) */
+    double energy;                       /* per mass, above the first phase at t0, cm2/us2 (docs/physics.md, section 9) */
+    double hysteresis;                   /* Mbar or K, by phase->transition */
     double t0, tm, softening; /* tm infinite: never softens */
     double cp;                /* infinite: the temperature stays at t0 */
 };
@@ -22,6 +29,19 @@ struct kind {
 struct fixed_scales {
     double far_force, force, torque, heat, virial, energy;
     int energy_left; /* measure_scales.energy = log2(energy) + energy_left */
+};
+
+/* The deck's reaction in numbers (dm2/sim/reaction.h). */
+struct reaction_table {
+    bool any;
+    int reactant[2], product; /* materials */
+    bool stoichiometric;
+    double share[2];    /* mass of each reactant in a mass of product */
+    double k0, theta;   /* g/cm2/us; Ea/R, K */
+    double heat;        /* per mass of product, cm2/us2 */
+    double threshold;
+    double limit;       /* part of what an element holds that one pair may take in a step */
+    double mass_scale;  /* fixed-point scale of masses */
 };
 
 struct model {
@@ -36,6 +56,10 @@ struct model {
     bool has_damping;      /* some law damps: velocities of mirrored elements matter */
     bool has_heat;         /* temperature changes something: softening, conduction, damping's a_t */
     bool has_pressure;     /* some damping depends on pressure */
+    bool has_phases;       /* the deck has phases: pressure is needed at every step */
+    bool has_kinds;        /* elements may change their kind, by phase or reaction */
+    struct reaction_table reaction;
+    double growth;         /* largest over smallest size of a kind; 1 without phases */
     bool uniform_far;      /* one kind, one far law: the fast path */
     double far_cutoff;     /* largest cutoff of scope all, cm; 0 without */
     double radius_max;     /* largest radius of an element, cm */
