@@ -31,6 +31,7 @@ struct pair_law {
     double rm2;        /* there: square of the distance of zero force, 2^(1/3) sigma^2, cm2 */
     double cutoff2;    /* scope all: square of the cutoff, cm2; 0 otherwise */
     double u_cut;      /* scope all, plain Lennard-Jones: potential at the cutoff, taken off so that it ends at 0 */
+    double r2_least;   /* there: below this r^2 the force leaves the range of the far sums, cm2 */
     double cn, ct;     /* c_n and c_t over sqrt(m_eff) */
     double cn_mass, ct_mass; /* the same with the m_eff of the kinds, where their elements all have one mass; else -1 */
     double a_p, a_t;   /* change of c_n with P and T */
