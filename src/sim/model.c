@@ -114,8 +114,8 @@ static enum dm2_status build_law(const struct config *c, int ia, int ib, enum re
     return DM2_OK;
 }
 
-/* Where all elements of each kind have one mass, the damping coefficients need no square root per pair. */
-static void uniform_masses(struct model *m)
+/* Where all elements of each kind have one radius, and so one mass, the pair loop finds its constants worked out. */
+static void uniform_kinds(struct model *m)
 {
     const struct config *c = m->config;
     double *radius = mem_zalloc(m->n_kinds, sizeof *radius); /* 0: no element yet, -1: several radii */
@@ -138,6 +138,7 @@ static void uniform_masses(struct model *m)
                 struct pair_law *law = &m->laws[(a * m->n_kinds + b) * RELATION_COUNT + rel];
                 law->cn_mass = law->cn * root;
                 law->ct_mass = law->ct * root;
+                law->bond = law_bond(law, radius[a] + radius[b]);
             }
         }
     }
@@ -179,7 +180,7 @@ static enum dm2_status build_laws(struct model *m, struct dm2_error *err)
                          only[rel].shape == only[0].shape && only[rel].eps12 == only[0].eps12 &&
                          only[rel].cutoff2 == only[0].cutoff2;
     m->wide_far = m->uniform_far && only->eps12 > 0.0;
-    uniform_masses(m);
+    uniform_kinds(m);
     return DM2_OK;
 }
 
@@ -217,6 +218,10 @@ static void choose_scales(struct model *m)
                                      .torque = fixed_scale(force * r0, 45), .heat = fixed_scale(heat, 56),
                                      .virial = fixed_scale(force * r0, 45),
                                      .energy = fixed_scale(force * r0, 50), .energy_left = 30};
+    m->fixed.over_far_force = 1.0 / m->fixed.far_force;
+    m->fixed.over_force = 1.0 / m->fixed.force;
+    m->fixed.over_torque = 1.0 / m->fixed.torque;
+    m->fixed.over_heat = 1.0 / m->fixed.heat;
     double extent = c->size[0] + c->size[1] + fabs(c->origin[0]) + fabs(c->origin[1]);
     double speed = extent / c->dt; /* nothing moves faster than a cell per step */
     int e;
