@@ -29,24 +29,29 @@ struct kick {
     double force[2];    /* total pair force, Mbar cm2 */
 };
 
-static inline struct kick kick_of(const struct model *m, const struct particles *p, size_t i, double dt)
+/* `near`: there are near pairs in this deck; without, their sums are not even zeroed. */
+static inline struct kick kick_of(const struct model *m, const struct particles *p, size_t i, double dt, bool near)
 {
     const int64_t *s = p->pair_sum + SUM_COUNT * i, *far = p->far_sum + 2 * i;
     const struct fixed_scales *x = &m->fixed;
-    double mass = p->mass[i], damp[2];
-    struct kick k;
+    double over_mass = 1.0 / p->mass[i];
+    struct kick k = {.dw = 0.0};
     for (int a = 0; a < 2; a++) {
-        k.force[a] = (double)far[a] / x->far_force + (double)s[SUM_FX + a] / x->force;
-        damp[a] = (double)s[SUM_DX + a] / x->force;
-        k.dv[a] = (k.force[a] / mass + m->config->gravity[a]) * dt;
+        k.force[a] = (double)far[a] * x->over_far_force;
+        if (near)
+            k.force[a] += (double)s[SUM_FX + a] * x->over_force;
+        k.dv[a] = (k.force[a] * over_mass + m->config->gravity[a]) * dt;
     }
-    double inertia = 0.5 * mass * (p->radius[i] * p->radius[i]);
-    k.dw = m->has_spin ? (double)s[SUM_TORQUE] / x->torque / inertia * dt : 0.0;
+    if (near && m->has_spin) /* the inertia of a disc is m R^2/2 */
+        k.dw = (double)s[SUM_TORQUE] * x->over_torque * (2.0 * over_mass / (p->radius[i] * p->radius[i])) * dt;
     if (p->flags[i] & ELEMENT_FIXED_MOTION)
         k.dv[0] = k.dv[1] = k.dw = 0.0;
-    k.heat_now = (double)s[SUM_HEAT] / x->heat;
-    k.heat_damped = (double)s[SUM_DHEAT] / x->heat -
-                    0.5 * dt * (damp[0] * k.dv[0] + damp[1] * k.dv[1] + (double)s[SUM_DTORQUE] / x->torque * k.dw);
+    if (near) {
+        double lost = (double)s[SUM_DX] * x->over_force * k.dv[0] + (double)s[SUM_DY] * x->over_force * k.dv[1] +
+                      (double)s[SUM_DTORQUE] * x->over_torque * k.dw;
+        k.heat_now = (double)s[SUM_HEAT] * x->over_heat;
+        k.heat_damped = (double)s[SUM_DHEAT] * x->over_heat - 0.5 * dt * lost;
+    }
     return k;
 }
 
@@ -54,7 +59,7 @@ void leapfrog_whole_velocity(const struct model *m, const struct particles *p, s
                              double *w)
 {
     double share = step == 0 ? 0.0 : 0.5; /* step 0 starts at the whole step */
-    struct kick k = kick_of(m, p, i, leapfrog_kick_time(m, step));
+    struct kick k = kick_of(m, p, i, leapfrog_kick_time(m, step), m->has_near);
     for (size_t a = 0; a < 2; a++)
         v[a] = p->v[2 * i + a] + share * k.dv[a];
     *w = p->w[i] + share * k.dw;
