@@ -159,8 +159,11 @@ enum dm2_status force_evaluate(const struct model *m, struct particles *p, struc
         pass.period[a] = m->grid.periodic[a] ? m->grid.size[a] : 0.0;
         pass.half[a] = m->grid.periodic[a] ? 0.5 * m->grid.size[a] : INFINITY;
     }
-    if (totals != NULL) {
+    if (totals != NULL)
         *totals = (struct pair_totals){0};
+    if (p->n == 0)
+        return DM2_OK; /* and perhaps no array to clear */
+    if (totals != NULL) {
         memset(p->virial, 0, p->n * 3 * sizeof *p->virial);
         memset(p->links, 0, p->n * sizeof *p->links);
         memset(p->contacts, 0, p->n * sizeof *p->contacts);
