@@ -197,21 +197,24 @@ static enum dm2_status predict_general(const struct perf *p, int cx, int cy, con
     return status;
 }
 
-/* No option asks for what eqs. (18)-(20) leave out. */
+/* No option asks for what eqs. (18)-(20) leave out; half the communication is the paper's own (section 7.3).
+ */
 static bool is_plain(const struct predict_options *o)
 {
-    return !o->general && !o->peer && !o->mirrored && !o->slowest && !o->overlap_inner && o->overlap == 0 &&
+    return !o->general && !o->mirrored && !o->slowest && !o->overlap_inner && o->overlap == 0 &&
            o->migrants == 0 && o->client_rate == 0 && !o->periodic[0] && !o->periodic[1];
 }
 
-static void predict_special(const struct perf *p, struct prediction *out)
+static void predict_special(const struct perf *p, bool peer, struct prediction *out)
 {
     double m, b;
     out->measured = perf_network(p, out->servers, &m, &b);
     out->exchanged = perf_interface(p, out->n, out->s, out->servers);
     out->t_comp = out->t_seq / out->servers;
     out->t_comm = perf_t_comm(p, m, b, out->exchanged) + b;
-    out->t_dist = perf_t_dist(p, out->n, out->s, out->servers);
+    if (peer)
+        out->t_comm /= 2;
+    out->t_dist = out->t_comp + out->t_comm;
 }
 
 enum dm2_status predict(const struct perf *p, double n, double s, int servers,
@@ -234,7 +237,7 @@ enum dm2_status predict(const struct perf *p, double n, double s, int servers,
     if (servers > 1 && !(perf_is_special(servers) && is_plain(o)))
         return predict_general(p, cx, cy, o, out, err);
     if (servers > 1) {
-        predict_special(p, out);
+        predict_special(p, o->peer, out);
     } else {
         out->t_comp = out->t_dist = out->t_seq;
         out->measured = true;

@@ -60,6 +60,15 @@ TEST(general_form_near_the_papers_elsewhere)
             }
 }
 
+/* The times that come out are the equations' own. */
+TEST(special_form_is_the_equations)
+{
+    const struct perf p = perf_paper();
+    for (int servers = 2; servers <= 8; servers *= 2)
+        CHECK_NEAR_REL(predicted(&p, 1e5, 1.3571, servers, &PAPER_FORM).t_dist,
+                       perf_t_dist(&p, 1e5, 1.3571, servers), 1e-14);
+}
+
 TEST(one_server_is_the_sequential_run)
 {
     const struct perf p = perf_paper();
@@ -137,11 +146,16 @@ TEST(the_slowest_server_has_the_larger_part)
 TEST(peers_halve_the_communication)
 {
     const struct perf p = perf_paper();
-    const struct predict_options peer = {.peer = true};
+    const struct predict_options peer = {.general = true, .peer = true}, special = {.peer = true};
     for (int servers = 2; servers <= 40; servers++) {
         struct prediction relay = predicted(&p, 1e5, 1.3571, servers, &GENERAL);
         CHECK_NEAR_REL(predicted(&p, 1e5, 1.3571, servers, &peer).t_comm, relay.t_comm / 2, 1e-14);
     }
+    struct prediction relay = predicted(&p, 1e5, 1.3571, 8, &PAPER_FORM);
+    struct prediction direct = predicted(&p, 1e5, 1.3571, 8, &special);
+    CHECK(!direct.general);
+    CHECK_NEAR_REL(direct.t_comm, relay.t_comm / 2, 1e-14);
+    CHECK_NEAR_REL(direct.t_dist, relay.t_dist - relay.t_comm / 2, 1e-14);
 }
 
 TEST(migration_has_a_linear_term)
@@ -288,9 +302,10 @@ TEST(bad_input)
 }
 
 TEST_MAIN(CASE(general_form_is_the_papers_on_its_geometry), CASE(general_form_near_the_papers_elsewhere),
-          CASE(one_server_is_the_sequential_run), CASE(loads_are_those_of_the_decomposition),
-          CASE(three_servers_by_hand), CASE(the_slowest_server_has_the_larger_part),
-          CASE(peers_halve_the_communication), CASE(migration_has_a_linear_term), CASE(the_clients_link),
+          CASE(special_form_is_the_equations), CASE(one_server_is_the_sequential_run),
+          CASE(loads_are_those_of_the_decomposition), CASE(three_servers_by_hand),
+          CASE(the_slowest_server_has_the_larger_part), CASE(peers_halve_the_communication),
+          CASE(migration_has_a_linear_term), CASE(the_clients_link),
           CASE(communication_hides_behind_computing), CASE(periodic_sides_exchange_more),
           CASE(more_elements_are_never_less_efficient_by_much), CASE(break_even_solves_the_quadratic),
           CASE(best_is_the_smallest_time), CASE(bad_input))
