@@ -41,7 +41,8 @@ static char *server_path(const char *argv0)
 /* In the child: only async-signal-safe calls until exec. */
 static void become_server(char *path, int out, bool verbose)
 {
-    char *arguments[] = {path, "--port", "0", "--once", verbose ? NULL : "--quiet", NULL};
+    char port[] = "--port", zero[] = "0", once[] = "--once", quiet[] = "--quiet";
+    char *arguments[] = {path, port, zero, once, verbose ? NULL : quiet, NULL};
     int null = open("/dev/null", O_RDONLY);
     (void)setpgid(0, 0);
     if (null >= 0 && dup2(null, STDIN_FILENO) >= 0 && dup2(out, STDOUT_FILENO) >= 0)

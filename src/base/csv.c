@@ -1,7 +1,7 @@
 /* Comma-separated values.
  *
- * The text is copied once and unquoted in place: a field only gets shorter, so the writing position never passes the
- * reading one. Fields are pointers into that copy, in row order behind the headings. */
+ * The text is copied once and unquoted in place: a field only gets shorter, so the writing position never
+ * passes the reading one. Fields are pointers into that copy, in row order behind the headings. */
 #include "dm2/base/csv.h"
 
 #include <stdbool.h>
@@ -12,6 +12,7 @@
 #include "dm2/base/file.h"
 #include "dm2/base/mem.h"
 #include "dm2/base/number.h"
+#include "dm2/base/text.h"
 
 enum { CSV_BYTES_MAX = 1 << 30 };
 
@@ -107,8 +108,8 @@ static enum dm2_status parse_rows(struct parser *p, struct dm2_error *err)
         if (csv->n_columns == 0) {
             csv->n_columns = count;
         } else if (count != csv->n_columns) {
-            return dm2_fail(err, DM2_PROTOCOL, "%s:%zu: the row has %zu fields, the header has %zu", csv->path, line, count,
-                            csv->n_columns);
+            return dm2_fail(err, DM2_PROTOCOL, "%s:%zu: the row has %zu fields, the header has %zu",
+                            csv->path, line, count, csv->n_columns);
         } else {
             void *lines = csv->lines;
             if (mem_grow(&lines, &p->cap_rows, csv->n_rows, csv->n_rows + 1, sizeof *csv->lines) != 0)
@@ -121,16 +122,16 @@ static enum dm2_status parse_rows(struct parser *p, struct dm2_error *err)
     return DM2_OK;
 }
 
-enum dm2_status csv_parse(const char *name, const char *text, size_t length, struct csv *out, struct dm2_error *err)
+enum dm2_status csv_parse(const char *name, const char *text, size_t length, struct csv *out,
+                          struct dm2_error *err)
 {
     memset(out, 0, sizeof *out);
-    out->path = malloc(strlen(name) + 1);
+    out->path = text_join(name, "", "");
     out->text = malloc(length + 1);
     if (out->path == NULL || out->text == NULL) {
         csv_free(out);
         return no_memory(out, err);
     }
-    strcpy(out->path, name);
     struct parser p = {.in = text, .end = text + length, .out = out->text, .line = 1, .csv = out};
     enum dm2_status status = DM2_OK;
     if (length == 0)

@@ -1,9 +1,9 @@
 /* Whole files, atomically.
  *
- * A file is written as path.part with a buffer of our own and write(2): stdio would hide which call failed and with
- * what errno. The order of the end is what makes the final name mean "whole": flush, fsync, close, rename, fsync of
- * the directory. The first error sticks in the struct, so that encoders write on without checks and the one check at
- * the end still names the first cause. */
+ * A file is written as path.part with a buffer of our own and write(2): stdio would hide which call failed
+ * and with what errno. The order of the end is what makes the final name mean "whole": flush, fsync, close,
+ * rename, fsync of the directory. The first error sticks in the struct, so that encoders write on without
+ * checks and the one check at the end still names the first cause. */
 #include "dm2/base/file.h"
 
 #include <errno.h>
@@ -15,6 +15,8 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "dm2/base/text.h"
 
 enum { BUFFER_BYTES = 1 << 16 };
 
@@ -34,20 +36,15 @@ static enum dm2_status fail_at(const struct file_out *f, const char *what, int e
 
 enum dm2_status file_create(struct file_out *f, const char *path, struct dm2_error *err)
 {
-    static const char suffix[] = ".part";
-    size_t length = strlen(path);
     memset(f, 0, sizeof *f);
     f->fd = -1;
-    f->path = malloc(length + 1);
-    f->part = malloc(length + sizeof suffix);
+    f->path = text_join(path, "", "");
+    f->part = text_join(path, ".part", "");
     f->buffer = malloc(BUFFER_BYTES);
     if (f->path == NULL || f->part == NULL || f->buffer == NULL) {
         clear(f);
         return dm2_fail(err, DM2_MEMORY, "%s: no memory for the file's buffer", path);
     }
-    memcpy(f->path, path, length + 1);
-    memcpy(f->part, path, length);
-    memcpy(f->part + length, suffix, sizeof suffix);
     if (unlink(f->part) != 0 && errno != ENOENT) {
         enum dm2_status status = fail_at(f, "replace its .part file", errno, err);
         clear(f);
@@ -235,7 +232,8 @@ static enum dm2_status read_open(int fd, const char *path, size_t limit, unsigne
     return DM2_OK;
 }
 
-enum dm2_status file_read(const char *path, size_t limit, unsigned char **bytes, size_t *n, struct dm2_error *err)
+enum dm2_status file_read(const char *path, size_t limit, unsigned char **bytes, size_t *n,
+                          struct dm2_error *err)
 {
     *bytes = NULL;
     *n = 0;

@@ -14,7 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
+#include <sys/stat.h>
 
 #include "dm2/base/clock.h"
 #include "dm2/base/fingerprint.h"
@@ -126,22 +126,25 @@ static bool climbs(const char *name)
 
 char *server_deck_path(const char *directory, const char *name)
 {
-    if (name[0] == '\0' || name[0] == '/' || climbs(name))
+    size_t root = strlen(directory) + 1, size = root + strlen(name) + 1;
+    char *path = name[0] == '\0' || name[0] == '/' || climbs(name) ? NULL : mem_alloc(size, 1);
+    if (path == NULL)
         return NULL;
-    size_t size = strlen(directory) + strlen(name) + 2;
-    char *joined = mem_alloc(size, 1), *found = NULL, *root = realpath(directory, NULL);
-    if (joined != NULL && root != NULL) {
-        (void)snprintf(joined, size, "%s/%s", directory, name);
-        found = realpath(joined, NULL);
-        size_t n = strcmp(root, "/") == 0 ? 0 : strlen(root);
-        if (found != NULL && (strncmp(found, root, n) != 0 || found[n] != '/')) {
-            free(found);
-            found = NULL;
-        }
+    (void)snprintf(path, size, "%s/%s", directory, name);
+    bool found = true;
+    struct stat info;
+    for (char *end = path + root; end != NULL && found;) { /* from one component of the name to the next */
+        end = strchr(end, '/');
+        if (end != NULL)
+            *end = '\0';
+        found = lstat(path, &info) == 0 && !S_ISLNK(info.st_mode);
+        if (end != NULL)
+            *end++ = '/';
     }
-    free(joined);
-    free(root);
-    return found;
+    if (found && S_ISREG(info.st_mode))
+        return path;
+    free(path);
+    return NULL;
 }
 
 /* Puts the texts of the server's own copy into the message, if there is one. */
@@ -363,6 +366,7 @@ static enum dm2_status send_step(struct session *s, struct step_message *m, stru
     bytes_clear(&s->out);
     message_put_step(&s->out, m);
     size_t head = s->out.length;
+    m->owned = subdomain_owned(s->sd);
     m->migrants = 0;
     if (m->rebuild)
         status = exchange_pack_rebuild(&s->exchange, s->sd, &s->out, &m->n_segments, &m->migrants, err);
@@ -371,7 +375,6 @@ static enum dm2_status send_step(struct session *s, struct step_message *m, stru
     if (status != DM2_OK)
         return status;
     double rebuild = tally(s), now = clock_now();
-    m->owned = subdomain_owned(s->sd);
     m->busy = now - s->heard;
     s->times.pack += now - start - rebuild;
     s->times.migrants += m->migrants;

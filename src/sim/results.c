@@ -1,9 +1,9 @@
 /* The run directory.
  *
- * It holds one long-lived file, history.csv.part, that grows by a row per measured step and is renamed at the very
- * end; everything else is written and renamed in one go. The list `known_files` is what a run may leave
- * behind: `overwrite` removes these and nothing else, so that a directory never mixes two runs. Each row is handed to the
- * system at once: somebody may be watching, and a full disk should stop the run now. */
+ * It holds one long-lived file, history.csv.part, that grows by a row per measured step and is renamed at the
+ * very end; everything else is written and renamed in one go. The list `known_files` is what a run may leave
+ * behind: `overwrite` removes these and nothing else, so that a directory never mixes two runs. Each row is
+ * handed to the system at once: somebody may be watching, and a full disk should stop the run now. */
 #include "dm2/sim/results.h"
 
 #include <assert.h>
@@ -21,6 +21,7 @@
 #include "dm2/base/file.h"
 #include "dm2/base/mem.h"
 #include "dm2/base/number.h"
+#include "dm2/base/text.h"
 #include "dm2/sim/snapshot.h"
 #include "dm2/sim/state.h"
 
@@ -42,19 +43,6 @@ static const char series_name[] = "series.pvd";
 static enum dm2_status no_memory(struct dm2_error *err)
 {
     return dm2_fail(err, DM2_MEMORY, "no memory for the run directory's names");
-}
-
-/* "a/b", malloc'd, or NULL. */
-static char *join(const char *a, const char *b)
-{
-    size_t la = strlen(a), lb = strlen(b);
-    char *path = malloc(la + lb + 2);
-    if (path != NULL) {
-        memcpy(path, a, la);
-        path[la] = '/';
-        memcpy(path + la + 1, b, lb + 1);
-    }
-    return path;
 }
 
 char *results_default_directory(const char *deck_path)
@@ -92,7 +80,8 @@ bool results_snapshot_due(const struct config *c, int64_t step)
     return false;
 }
 
-/* --- the directory ---------------------------------------------------------------------------------------- */
+/* --- the directory ----------------------------------------------------------------------------------------
+ */
 
 static bool has_suffix(const char *name, size_t length, const char *suffix)
 {
@@ -112,24 +101,23 @@ static bool is_snapshot_file(const char *name)
         base[length -= strlen(".part")] = '\0';
     if (strcmp(base, series_name) == 0)
         return true;
-    if (strncmp(base, "state-", 6) != 0 || !(has_suffix(base, length, ".vtp") || has_suffix(base, length, ".xyz")))
+    if (strncmp(base, "state-", 6) != 0 ||
+        !(has_suffix(base, length, ".vtp") || has_suffix(base, length, ".xyz")))
         return false;
     size_t digits = strspn(base + 6, "0123456789");
     return digits > 0 && 6 + digits + 4 == length;
 }
 
-static enum dm2_status remove_file(const char *directory, const char *name, const char *suffix, struct dm2_error *err)
+static enum dm2_status remove_file(const char *directory, const char *name, const char *suffix,
+                                   struct dm2_error *err)
 {
-    char *path = join(directory, name), *full = NULL;
+    char *path = text_join(directory, "/", name), *full = path == NULL ? NULL : text_join(path, suffix, "");
     enum dm2_status status = DM2_OK;
-    if (path != NULL && (full = malloc(strlen(path) + strlen(suffix) + 1)) != NULL) {
-        strcpy(full, path);
-        strcat(full, suffix);
-        if (unlink(full) != 0 && errno != ENOENT)
-            status = dm2_fail(err, DM2_IO, "%s: cannot remove the file of an earlier run: %s", full, strerror(errno));
-    } else {
+    if (full == NULL)
         status = no_memory(err);
-    }
+    else if (unlink(full) != 0 && errno != ENOENT)
+        status =
+            dm2_fail(err, DM2_IO, "%s: cannot remove the file of an earlier run: %s", full, strerror(errno));
     free(path);
     free(full);
     return status;
@@ -137,7 +125,7 @@ static enum dm2_status remove_file(const char *directory, const char *name, cons
 
 static enum dm2_status remove_snapshots(const char *directory, struct dm2_error *err)
 {
-    char *path = join(directory, snapshots_name);
+    char *path = text_join(directory, "/", snapshots_name);
     if (path == NULL)
         return no_memory(err);
     DIR *dir = opendir(path);
@@ -170,10 +158,9 @@ static enum dm2_status remove_earlier_run(const char *directory, struct dm2_erro
 /* Makes the directory and its parents. *made: the last of them was not there. */
 static enum dm2_status make_directories(const char *directory, bool *made, struct dm2_error *err)
 {
-    char *path = malloc(strlen(directory) + 1);
+    char *path = text_join(directory, "", "");
     if (path == NULL)
         return no_memory(err);
-    strcpy(path, directory);
     *made = false;
     enum dm2_status status = DM2_OK;
     for (char *at = path; status == DM2_OK && *at != '\0';) {
@@ -196,7 +183,8 @@ static enum dm2_status is_empty(const char *directory, bool *empty, struct dm2_e
 {
     DIR *dir = opendir(directory);
     if (dir == NULL)
-        return dm2_fail(err, DM2_IO, "%s: cannot use it as the run directory: %s", directory, strerror(errno));
+        return dm2_fail(err, DM2_IO, "%s: cannot use it as the run directory: %s", directory,
+                        strerror(errno));
     const struct dirent *entry;
     *empty = true;
     errno = 0;
@@ -212,7 +200,7 @@ static enum dm2_status is_empty(const char *directory, bool *empty, struct dm2_e
 
 static enum dm2_status prepare_directory(struct results *r, bool overwrite, struct dm2_error *err)
 {
-    bool empty;
+    bool empty = true;
     enum dm2_status status = make_directories(r->directory, &r->made_directory, err);
     if (status == DM2_OK)
         status = is_empty(r->directory, &empty, err);
@@ -220,13 +208,15 @@ static enum dm2_status prepare_directory(struct results *r, bool overwrite, stru
         return status;
     if (!overwrite)
         return dm2_fail(err, DM2_IO,
-                        "%s: the run directory is not empty; name another one with -o DIR, or give --overwrite to replace "
+                        "%s: the run directory is not empty; name another one with -o DIR, or give "
+                        "--overwrite to replace "
                         "the results in it",
                         r->directory);
     return remove_earlier_run(r->directory, err);
 }
 
-/* --- history.csv ------------------------------------------------------------------------------------------ */
+/* --- history.csv ------------------------------------------------------------------------------------------
+ */
 
 /* Writes a header field, quoted where CSV asks for it. */
 static void write_heading(struct file_out *f, const char *name, const char *unit)
@@ -258,7 +248,8 @@ static void write_header(struct results *r)
         {"pressure_min", "Mbar"},
         {"pressure_max", "Mbar"},
     };
-    static const char *const probe_columns[][2] = {{"x", "cm"}, {"y", "cm"}, {"vx", "cm/us"}, {"vy", "cm/us"}};
+    static const char *const probe_columns[][2] = {
+        {"x", "cm"}, {"y", "cm"}, {"vx", "cm/us"}, {"vy", "cm/us"}};
     struct file_out *f = &r->history;
     for (size_t i = 0; i < sizeof columns / sizeof columns[0]; i++) {
         file_puts(f, i == 0 ? "" : ",");
@@ -304,11 +295,13 @@ static void write_probe(struct results *r, const struct probe_sums *probe)
         add_number(&r->history, exact_value(&probe->v[a], r->scales.velocity) / count);
 }
 
-enum dm2_status results_history(struct results *r, int64_t step, const struct measures *m, struct dm2_error *err)
+enum dm2_status results_history(struct results *r, int64_t step, const struct measures *m,
+                                struct dm2_error *err)
 {
     struct file_out *f = &r->history;
     struct exact_sum total = conserved(m);
-    const struct exact_sum *energies[] = {&m->kinetic, &m->potential, &m->elastic, &m->thermal, &m->work, &total};
+    const struct exact_sum *energies[] = {&m->kinetic, &m->potential, &m->elastic,
+                                          &m->thermal, &m->work,      &total};
     file_printf(f, "%" PRId64, step);
     add_number(f, (double)step * r->config->dt);
     for (size_t i = 0; i < sizeof energies / sizeof energies[0]; i++)
@@ -326,14 +319,15 @@ enum dm2_status results_history(struct results *r, int64_t step, const struct me
     return file_flush(f, err);
 }
 
-/* --- states ----------------------------------------------------------------------------------------------- */
+/* --- states -----------------------------------------------------------------------------------------------
+ */
 
 static enum dm2_status write_one(const char *directory, const char *suffix, const struct snapshot *s,
                                  struct dm2_error *err)
 {
     char name[SNAPSHOT_NAME_MAX];
     snapshot_file_name(s->step, suffix, name);
-    char *path = join(directory, name);
+    char *path = text_join(directory, "/", name);
     if (path == NULL)
         return no_memory(err);
     enum dm2_status status =
@@ -342,17 +336,20 @@ static enum dm2_status write_one(const char *directory, const char *suffix, cons
     return status;
 }
 
-static enum dm2_status write_series(struct results *r, const char *directory, int64_t step, struct dm2_error *err)
+static enum dm2_status write_series(struct results *r, const char *directory, int64_t step,
+                                    struct dm2_error *err)
 {
     void *steps = r->snapshot_steps;
-    if (mem_grow(&steps, &r->cap_snapshots, r->n_snapshots, r->n_snapshots + 1, sizeof *r->snapshot_steps) != 0)
+    if (mem_grow(&steps, &r->cap_snapshots, r->n_snapshots, r->n_snapshots + 1, sizeof *r->snapshot_steps) !=
+        0)
         return no_memory(err);
     r->snapshot_steps = steps;
     r->snapshot_steps[r->n_snapshots++] = step;
-    char *path = join(directory, series_name);
+    char *path = text_join(directory, "/", series_name);
     if (path == NULL)
         return no_memory(err);
-    enum dm2_status status = snapshot_write_series(path, r->snapshot_steps, r->n_snapshots, r->config->dt, err);
+    enum dm2_status status =
+        snapshot_write_series(path, r->snapshot_steps, r->n_snapshots, r->config->dt, err);
     free(path);
     return status;
 }
@@ -362,7 +359,7 @@ enum dm2_status results_snapshot(struct results *r, int64_t step, const struct e
                                  const struct pair_record *pairs, size_t n_pairs, struct dm2_error *err)
 {
     const struct snapshot s = {r->config, step, elements, measured, n_elements, pairs, n_pairs};
-    char *directory = join(r->directory, snapshots_name);
+    char *directory = text_join(r->directory, "/", snapshots_name);
     if (directory == NULL)
         return no_memory(err);
     enum dm2_status status = DM2_OK;
@@ -381,10 +378,11 @@ enum dm2_status results_snapshot(struct results *r, int64_t step, const struct e
     return status;
 }
 
-enum dm2_status results_final(struct results *r, int64_t step, const struct element *elements, size_t n_elements,
-                              const struct pair_record *pairs, size_t n_pairs, struct dm2_error *err)
+enum dm2_status results_final(struct results *r, int64_t step, const struct element *elements,
+                              size_t n_elements, const struct pair_record *pairs, size_t n_pairs,
+                              struct dm2_error *err)
 {
-    char *path = join(r->directory, "final.dm2");
+    char *path = text_join(r->directory, "/", "final.dm2");
     if (path == NULL)
         return no_memory(err);
     const struct state_view s = {r->digest, step, elements, n_elements, pairs, n_pairs};
@@ -397,7 +395,7 @@ enum dm2_status results_text(struct results *r, const char *name, const char *te
                              struct dm2_error *err)
 {
     assert(strcmp(name, "run.log") == 0 || strcmp(name, "timing.csv") == 0);
-    char *path = join(r->directory, name);
+    char *path = text_join(r->directory, "/", name);
     if (path == NULL)
         return no_memory(err);
     enum dm2_status status = file_replace(path, text, length, err);
@@ -405,7 +403,8 @@ enum dm2_status results_text(struct results *r, const char *name, const char *te
     return status;
 }
 
-/* --- begin and end ---------------------------------------------------------------------------------------- */
+/* --- begin and end ----------------------------------------------------------------------------------------
+ */
 
 static void free_results(struct results *r)
 {
@@ -427,15 +426,14 @@ enum dm2_status results_open(const char *directory, bool overwrite, const struct
     r->config = config;
     r->scales = scales;
     memcpy(r->digest, digest, sizeof r->digest);
-    r->directory = malloc(strlen(directory) + 1);
+    r->directory = text_join(directory, "", "");
     if (r->directory == NULL) {
         free_results(r);
         return no_memory(err);
     }
-    strcpy(r->directory, directory);
     enum dm2_status status = prepare_directory(r, overwrite, err);
     char *path = NULL;
-    if (status == DM2_OK && (path = join(directory, "history.csv")) == NULL)
+    if (status == DM2_OK && (path = text_join(directory, "/", "history.csv")) == NULL)
         status = no_memory(err);
     if (status == DM2_OK)
         status = file_create(&r->history, path, err);
@@ -467,7 +465,7 @@ void results_abort(struct results *r)
     if (r == NULL)
         return;
     file_abandon(&r->history);
-    char *snapshots = join(r->directory, snapshots_name);
+    char *snapshots = text_join(r->directory, "/", snapshots_name);
     if (snapshots != NULL && r->made_snapshots)
         (void)rmdir(snapshots); /* both fail where something complete is inside, as they should */
     free(snapshots);

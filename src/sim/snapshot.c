@@ -1,13 +1,13 @@
 /* Snapshot writers.
  *
- * One table lists what a file says of each element; both formats walk it. VTK's XML wants array after array, so the
- * .vtp writer passes over the elements once per array and streams the values through a base64 encoder, 3072 bytes at a
- * time, straight into the file's buffer: no copy of the state is ever made.
+ * One table lists what a file says of each element; both formats walk it. VTK's XML wants array after array,
+ * so the .vtp writer passes over the elements once per array and streams the values through a base64 encoder,
+ * 3072 bytes at a time, straight into the file's buffer: no copy of the state is ever made.
  *
- * VTK facts that are easy to get wrong: an inline binary array is one base64 stream of a UInt64 byte count followed by
- * the values (VTKFile version 1.0 with header_type); an array of strings is an <Array>, and in ascii its
- * characters are numbers with a 0 after each string. OVITO maps the XYZ columns species, pos, id, radius and velo to its
- * own properties; others become properties of the name they have. */
+ * VTK facts that are easy to get wrong: an inline binary array is one base64 stream of a UInt64 byte count
+ * followed by the values (VTKFile version 1.0 with header_type); an array of strings is an <Array>, and in
+ * ascii its characters are numbers with a 0 after each string. OVITO maps the XYZ columns species, pos, id,
+ * radius and velo to its own properties; others become properties of the name they have. */
 #include "dm2/sim/snapshot.h"
 
 #include <inttypes.h>
@@ -176,12 +176,13 @@ static inline uint64_t bits_of(double x)
     return bits;
 }
 
-/* --- .vtp ------------------------------------------------------------------------------------------------ */
+/* --- .vtp ------------------------------------------------------------------------------------------------
+ */
 
 static void array_open(struct base64 *b, const struct field *f, size_t n)
 {
-    file_printf(b->file, "        <DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\"", type_info[f->type].vtk,
-                f->name, f->components);
+    file_printf(b->file, "        <DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\"",
+                type_info[f->type].vtk, f->name, f->components);
     for (int c = 0; c < f->components && f->component[c] != NULL; c++)
         file_printf(b->file, " ComponentName%d=\"%s\"", c, f->component[c]);
     file_puts(b->file, " format=\"binary\">");
@@ -201,7 +202,8 @@ static void write_field(struct base64 *b, const struct field *f, const struct sn
         double value[3];
         f->get(s, i, value);
         for (int c = 0; c < f->components; c++)
-            base64_put(b, f->type == TYPE_F64 ? bits_of(value[c]) : (uint64_t)value[c], type_info[f->type].bytes);
+            base64_put(b, f->type == TYPE_F64 ? bits_of(value[c]) : (uint64_t)value[c],
+                       type_info[f->type].bytes);
     }
     array_close(b);
 }
@@ -279,7 +281,8 @@ static void write_lines(struct base64 *b, const struct snapshot *s, size_t n_lin
 
 static void write_doubles(struct file_out *f, const char *name, const double *values, size_t n)
 {
-    file_printf(f, "      <DataArray type=\"Float64\" Name=\"%s\" NumberOfTuples=\"%zu\" format=\"ascii\">", name, n);
+    file_printf(f, "      <DataArray type=\"Float64\" Name=\"%s\" NumberOfTuples=\"%zu\" format=\"ascii\">",
+                name, n);
     for (size_t i = 0; i < n; i++) {
         char text[NUMBER_TEXT_MAX];
         number_format(values[i], text);
@@ -290,7 +293,8 @@ static void write_doubles(struct file_out *f, const char *name, const double *va
 
 static void string_array_open(struct file_out *f, const char *name, size_t n)
 {
-    file_printf(f, "      <Array type=\"String\" Name=\"%s\" NumberOfTuples=\"%zu\" format=\"ascii\">", name, n);
+    file_printf(f, "      <Array type=\"String\" Name=\"%s\" NumberOfTuples=\"%zu\" format=\"ascii\">", name,
+                n);
 }
 
 static void write_string(struct file_out *f, const char *text)
@@ -307,13 +311,16 @@ static void write_field_data(struct file_out *f, const struct snapshot *s)
     double domain[4] = {c->origin[0], c->origin[1], c->size[0], c->size[1]};
     file_puts(f, "    <FieldData>\n");
     write_doubles(f, "TimeValue", &time, 1);
-    file_printf(f, "      <DataArray type=\"Int64\" Name=\"step\" NumberOfTuples=\"1\" format=\"ascii\">%" PRId64
-                   "</DataArray>\n",
+    file_printf(f,
+                "      <DataArray type=\"Int64\" Name=\"step\" NumberOfTuples=\"1\" format=\"ascii\">%" PRId64
+                "</DataArray>\n",
                 s->step);
     write_doubles(f, "domain", domain, 4);
-    file_printf(f, "      <DataArray type=\"UInt8\" Name=\"periodic\" NumberOfTuples=\"2\" format=\"ascii\">%d %d"
-                   "</DataArray>\n",
-                c->periodic[0], c->periodic[1]);
+    file_printf(
+        f,
+        "      <DataArray type=\"UInt8\" Name=\"periodic\" NumberOfTuples=\"2\" format=\"ascii\">%d %d"
+        "</DataArray>\n",
+        c->periodic[0], c->periodic[1]);
     string_array_open(f, "materials", c->n_materials);
     for (size_t m = 0; m < c->n_materials; m++)
         write_string(f, c->materials[m].name);
@@ -353,13 +360,16 @@ enum dm2_status snapshot_write_vtp(const char *path, const struct snapshot *s, s
     if (status != DM2_OK)
         return status;
     struct base64 b = {.file = &f, .used = 0};
-    file_puts(&f, "<?xml version=\"1.0\"?>\n"
-                  "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
-                  "  <PolyData>\n");
+    file_puts(
+        &f, "<?xml version=\"1.0\"?>\n"
+            "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+            "  <PolyData>\n");
     write_field_data(&f, s);
-    file_printf(&f, "    <Piece NumberOfPoints=\"%zu\" NumberOfVerts=\"%zu\" NumberOfLines=\"%zu\" NumberOfStrips=\"0\""
-                    " NumberOfPolys=\"0\">\n      <Points>\n",
-                s->n_elements, s->n_elements, n_lines);
+    file_printf(
+        &f,
+        "    <Piece NumberOfPoints=\"%zu\" NumberOfVerts=\"%zu\" NumberOfLines=\"%zu\" NumberOfStrips=\"0\""
+        " NumberOfPolys=\"0\">\n      <Points>\n",
+        s->n_elements, s->n_elements, n_lines);
     write_field(&b, &position_field, s);
     file_puts(&f, "      </Points>\n");
     write_vertices(&b, s->n_elements);
@@ -378,8 +388,9 @@ enum dm2_status snapshot_write_series(const char *path, const int64_t *steps, si
     enum dm2_status status = file_create(&f, path, err);
     if (status != DM2_OK)
         return status;
-    file_puts(&f, "<?xml version=\"1.0\"?>\n"
-                  "<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n  <Collection>\n");
+    file_puts(&f,
+              "<?xml version=\"1.0\"?>\n"
+              "<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n  <Collection>\n");
     for (size_t i = 0; i < n_steps; i++) {
         char name[SNAPSHOT_NAME_MAX], time[NUMBER_TEXT_MAX];
         snapshot_file_name(steps[i], "vtp", name);
@@ -390,7 +401,8 @@ enum dm2_status snapshot_write_series(const char *path, const int64_t *steps, si
     return file_commit(&f, err);
 }
 
-/* --- .xyz ------------------------------------------------------------------------------------------------ */
+/* --- .xyz ------------------------------------------------------------------------------------------------
+ */
 
 static void write_number(struct file_out *f, double x)
 {
@@ -427,7 +439,8 @@ static void write_comment_line(struct file_out *f, const struct snapshot *s)
         number_format(origin[k], text);
         file_printf(f, "%s%s", k == 0 ? "" : " ", text);
     }
-    file_printf(f, "\" pbc=\"%c %c F\" Properties=species:S:1", c->periodic[0] ? 'T' : 'F', c->periodic[1] ? 'T' : 'F');
+    file_printf(f, "\" pbc=\"%c %c F\" Properties=species:S:1", c->periodic[0] ? 'T' : 'F',
+                c->periodic[1] ? 'T' : 'F');
     write_property(f, &position_field);
     for (int a = 0; a < N_FIELDS; a++)
         write_property(f, &fields[a]);

@@ -1,9 +1,10 @@
 /* The state file.
  *
- * Every field is encoded by itself, so that the bytes know nothing of this machine's structs. The writer encodes into a
- * block that is checksummed and written when it is full. The reader has the whole file in memory, confirms in
- * this order magic, version, length against the counts, checksum, and then every record, so that a message names the
- * first thing that is wrong; nothing is allocated by a count that the file's length does not bear out. */
+ * Every field is encoded by itself, so that the bytes know nothing of this machine's structs. The writer
+ * encodes into a block that is checksummed and written when it is full. The reader has the whole file in
+ * memory, confirms in this order magic, version, length against the counts, checksum, and then every record,
+ * so that a message names the first thing that is wrong; nothing is allocated by a count that the file's
+ * length does not bear out. */
 #include "dm2/sim/state.h"
 
 #include <assert.h>
@@ -28,7 +29,8 @@ enum {
     BLOCK_BYTES = 1 << 16
 };
 
-/* --- writing ---------------------------------------------------------------------------------------------- */
+/* --- writing ----------------------------------------------------------------------------------------------
+ */
 
 struct encoder {
     struct file_out file;
@@ -114,7 +116,8 @@ enum dm2_status state_write(const char *path, const struct state_view *s, struct
     return file_commit(&e.file, err);
 }
 
-/* --- reading ---------------------------------------------------------------------------------------------- */
+/* --- reading ----------------------------------------------------------------------------------------------
+ */
 
 static enum dm2_status bad(const char *path, struct dm2_error *err, const char *what)
 {
@@ -122,7 +125,8 @@ static enum dm2_status bad(const char *path, struct dm2_error *err, const char *
 }
 
 /* The header and the file's length; the reader stands behind the header then. */
-static enum dm2_status get_header(struct bytes_reader *r, const char *path, struct state *out, struct dm2_error *err)
+static enum dm2_status get_header(struct bytes_reader *r, const char *path, struct state *out,
+                                  struct dm2_error *err)
 {
     size_t known = r->length < sizeof magic ? r->length : sizeof magic;
     if (known == 0 || memcmp(r->data, magic, known) != 0)
@@ -132,8 +136,9 @@ static enum dm2_status get_header(struct bytes_reader *r, const char *path, stru
     (void)bytes_get_raw(r, sizeof magic);
     uint32_t version = bytes_get_u32(r);
     if (version != STATE_VERSION)
-        return dm2_fail(err, DM2_PROTOCOL, "%s: is a state of format version %" PRIu32 ", this program reads version %d",
-                        path, version, STATE_VERSION);
+        return dm2_fail(err, DM2_PROTOCOL,
+                        "%s: is a state of format version %" PRIu32 ", this program reads version %d", path,
+                        version, STATE_VERSION);
     memcpy(out->digest, bytes_get_raw(r, STATE_DIGEST_BYTES), STATE_DIGEST_BYTES);
     out->step = bytes_get_i64(r);
     uint64_t n_elements = bytes_get_u64(r), n_pairs = bytes_get_u64(r);
@@ -146,7 +151,8 @@ static enum dm2_status get_header(struct bytes_reader *r, const char *path, stru
                         path, n_elements, n_pairs, r->length);
     uint64_t extra = most - (n_elements * ELEMENT_BYTES + n_pairs * PAIR_BYTES + CRC_BYTES);
     if (extra != 0)
-        return dm2_fail(err, DM2_PROTOCOL, "%s: has %" PRIu64 " bytes behind the end of the state", path, extra);
+        return dm2_fail(err, DM2_PROTOCOL, "%s: has %" PRIu64 " bytes behind the end of the state", path,
+                        extra);
     out->n_elements = (size_t)n_elements;
     out->n_pairs = (size_t)n_pairs;
     return DM2_OK;
@@ -213,7 +219,8 @@ static bool has_element(const struct state *s, uint32_t id)
     return low < s->n_elements && s->elements[low].id == id;
 }
 
-static const char *fault_of_pair(const struct state *s, const struct pair_record *p, const struct pair_record *before)
+static const char *fault_of_pair(const struct state *s, const struct pair_record *p,
+                                 const struct pair_record *before)
 {
     if (!isfinite(p->stretch) || !isfinite(p->spring))
         return "has a number that is not finite";
@@ -228,7 +235,8 @@ static const char *fault_of_pair(const struct state *s, const struct pair_record
     return NULL;
 }
 
-static enum dm2_status get_records(struct bytes_reader *r, const char *path, struct state *s, struct dm2_error *err)
+static enum dm2_status get_records(struct bytes_reader *r, const char *path, struct state *s,
+                                   struct dm2_error *err)
 {
     for (size_t i = 0; i < s->n_elements; i++) {
         struct element *e = &s->elements[i];
@@ -246,8 +254,8 @@ static enum dm2_status get_records(struct bytes_reader *r, const char *path, str
         p->spring = bytes_get_f64(r);
         const char *fault = fault_of_pair(s, p, i == 0 ? NULL : p - 1);
         if (fault != NULL)
-            return dm2_fail(err, DM2_PROTOCOL, "%s: the pair (%" PRIu32 ", %" PRIu32 ") %s", path, p->id_a, p->id_b,
-                            fault);
+            return dm2_fail(err, DM2_PROTOCOL, "%s: the pair (%" PRIu32 ", %" PRIu32 ") %s", path, p->id_a,
+                            p->id_b, fault);
     }
     return DM2_OK;
 }
@@ -266,8 +274,8 @@ static enum dm2_status decode(const unsigned char *bytes, size_t n, const char *
     out->elements = mem_zalloc(out->n_elements, sizeof *out->elements);
     out->pairs = mem_zalloc(out->n_pairs, sizeof *out->pairs);
     if (out->elements == NULL || out->pairs == NULL)
-        return dm2_fail(err, DM2_MEMORY, "%s: no memory for its %zu elements and %zu pairs", path, out->n_elements,
-                        out->n_pairs);
+        return dm2_fail(err, DM2_MEMORY, "%s: no memory for its %zu elements and %zu pairs", path,
+                        out->n_elements, out->n_pairs);
     return get_records(&r, path, out, err);
 }
 

@@ -12,7 +12,8 @@ TEST(fields)
 {
     struct csv csv;
     struct dm2_error err;
-    CHECK_EQ_INT(parse("step,time [us],\"a \"\"b\"\", c\"\r\n0,1.5,x\r\n1,,\"two\nlines\"\n2,3,", &csv, &err), DM2_OK);
+    CHECK_EQ_INT(parse("step,time [us],\"a \"\"b\"\", c\"\r\n0,1.5,x\r\n1,,\"two\nlines\"\n2,3,", &csv, &err),
+                 DM2_OK);
     CHECK_EQ_INT(csv.n_columns, 3);
     CHECK_EQ_INT(csv.n_rows, 3);
     CHECK_STR(csv_heading(&csv, 1), "time [us]");

@@ -12,9 +12,9 @@ enum { NUMBER_TEXT_MAX = 32 };
  * "inf", "-inf" for those) and returns the length. "-0" keeps its sign. */
 size_t number_format(double x, char out[NUMBER_TEXT_MAX]);
 
-/* Reads the number that fills text[0..length) to its end: decimal digits with optional sign, point and exponent, or
- * nan, inf, -inf. False, and *x unchanged, for anything else: blanks, hexadecimal, an empty field, a number beyond
- * the range of a double. */
+/* Reads the number that fills text[0..length) to its end: decimal digits with optional sign, point and
+ * exponent, or nan, inf, -inf. False, and *x unchanged, for anything else: blanks, hexadecimal, an empty
+ * field, a number beyond the range of a double. */
 bool number_parse(const char *text, size_t length, double *x);
 
 /* The same for a whole number in the range of int64_t: digits with an optional sign. */

@@ -24,6 +24,7 @@ struct element {
     double w;       /* angular velocity there, 1/us */
     double heat;    /* thermal energy above its material's T0, g cm2/us2 */
     double p;       /* pressure of the last force evaluation, Mbar */
+    double work;    /* put in so far by the body force or by its drive, g cm2/us2 */
 };
 
 /* The memory of one pair that is linked or in contact. Key: id_a < id_b. */

@@ -1,4 +1,5 @@
-/* The canonical state file (final.dm2), a checkpoint: all that the next step reads, the same bytes whoever wrote it.
+/* The canonical state file (final.dm2), a checkpoint: all that the next step reads, the same bytes whoever
+ * wrote it.
  *
  * Format, version 1, numbers little-endian, doubles as their IEEE 754 bits:
  *
@@ -8,10 +9,9 @@
  *   step             u64
  *   n_elements       u64
  *   n_pairs          u64
- *   elements, ids ascending, 86 bytes each: id u32, grain u32, body u16, kind u16, flags u8, probes u8, radius, mass,
- *                    r[2], v[2], w, heat, p as f64
- *   pairs, (id_a, id_b) ascending, 25 bytes each: id_a u32, id_b u32, linked u8, stretch f64, spring f64
- *   crc              u32      CRC-32C of all bytes before it
+ *   elements, ids ascending, 86 bytes each: id u32, grain u32, body u16, kind u16, flags u8, probes u8,
+ * radius, mass, r[2], v[2], w, heat, p as f64 pairs, (id_a, id_b) ascending, 25 bytes each: id_a u32, id_b
+ * u32, linked u8, stretch f64, spring f64 crc              u32      CRC-32C of all bytes before it
  */
 #ifndef DM2_SIM_STATE_H
 #define DM2_SIM_STATE_H
@@ -49,8 +49,8 @@ enum dm2_status state_write(const char *path, const struct state_view *s, struct
 /* Reads and checks a state file; *out owns its arrays (state_free). *out is empty after a failure:
  *   DM2_IO        the file cannot be opened or read
  *   DM2_MEMORY    no memory for what it announces (which its length already confirmed)
- *   DM2_PROTOCOL  not a state file, of another version, cut short, with bytes behind its end, with a checksum that
- *                 does not match, or with content that cannot be: records out of order, a pair of absent elements, a
+ *   DM2_PROTOCOL  not a state file, of another version, cut short, with bytes behind its end, with a checksum
+ * that does not match, or with content that cannot be: records out of order, a pair of absent elements, a
  *                 number that is not finite, a mass or radius that is not positive, an unknown flag */
 enum dm2_status state_read(const char *path, struct state *out, struct dm2_error *err);
 void state_free(struct state *s);
