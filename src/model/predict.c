@@ -220,7 +220,7 @@ static void predict_special(const struct perf *p, bool peer, struct prediction *
 enum dm2_status predict(const struct perf *p, double n, double s, int servers,
                         const struct predict_options *o, struct prediction *out, struct dm2_error *err)
 {
-    int cx, cy;
+    int cx = 0, cy = 0;
     *out = (struct prediction){.n = n, .s = s, .servers = servers};
     enum dm2_status status = check_problem(p, n, s, o, err);
     if (status == DM2_OK && !predict_grid(p, n, s, &cx, &cy))
