@@ -213,9 +213,10 @@ TEST(nearest_words)
 /* Carets below tabs and characters of several bytes, windows in long lines, no byte that a terminal obeys. */
 TEST(reports_are_printable)
 {
-    struct loaded l = load_text("# \xc3\xa9\x1b[0m\xc2\x9b\xff\n\ttime { dt = \"\xc3\xa9\" x }", NULL, -1);
+    struct loaded l = load_text("#\n\ttime { dt = \"\xc3\xa9\" x } # \x1b[0m\xc2\x9b\xff", NULL, -1);
     CHECK_CONTAINS(l.report.text, "deck:2:18: error");
-    CHECK_CONTAINS(l.report.text, "\n    \ttime { dt = \"\xc3\xa9\" x }\n    \t                ^");
+    CHECK_CONTAINS(l.report.text, "\n    \ttime { dt = \"\xc3\xa9\" x } # ?[0m??");
+    CHECK_CONTAINS(l.report.text, "\n    \t                ^\n");
     for (const char *c = l.report.text; *c != '\0'; c++)
         CHECK(*c == '\n' || *c == '\t' || (unsigned char)*c >= 0x20);
     CHECK(strstr(l.report.text, "\xc2\x9b") == NULL && strstr(l.report.text, "\xff") == NULL);
