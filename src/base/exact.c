@@ -1,33 +1,6 @@
 /* Exact sums in 128 bits, in plain C11: two limbs and a carry. */
 #include "dm2/base/exact.h"
 
-#include <math.h>
-
-static void add_limbs(struct exact_sum *sum, int64_t hi, uint64_t lo)
-{
-    uint64_t low = sum->lo + lo;
-    uint64_t carry = low < lo ? 1u : 0u;
-    sum->hi = (int64_t)((uint64_t)sum->hi + (uint64_t)hi + carry);
-    sum->lo = low;
-}
-
-bool exact_add(struct exact_sum *sum, double value, int shift)
-{
-    double scaled = rint(ldexp(value, shift));
-    if (!(fabs(scaled) < 0x1p120))
-        return false;
-    /* Both parts are exact: floor of a scaled double, and what is left, which is below 2^64. */
-    double high = floor(scaled * 0x1p-64);
-    double low = scaled - high * 0x1p64;
-    add_limbs(sum, (int64_t)high, (uint64_t)low);
-    return true;
-}
-
-void exact_merge(struct exact_sum *sum, const struct exact_sum *other)
-{
-    add_limbs(sum, other->hi, other->lo);
-}
-
 double exact_value(const struct exact_sum *sum, int shift)
 {
     uint64_t hi = (uint64_t)sum->hi, lo = sum->lo;

@@ -1,26 +1,62 @@
 /* Exact sums: 128-bit fixed point, so that the order and the grouping of the terms never matter.
  *
- * A term `value` counts as value * 2^shift rounded to an integer; |value * 2^shift| must stay below
+ * A term `value` counts as value * 2^shift rounded down to an integer; |value * 2^shift| must stay below
  * 2^120. With 2^-shift as the quantum, every sum of the same terms has the same bits whoever adds them. */
 #ifndef DM2_BASE_EXACT_H
 #define DM2_BASE_EXACT_H
 
+#include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
+
+#include "dm2/base/real.h"
 
 struct exact_sum {
     int64_t hi;
     uint64_t lo; /* the number is hi * 2^64 + lo, in quanta */
 };
 
-/* Adds value * 2^shift. False, and *sum unchanged, where value is not finite or too large. */
-bool exact_add(struct exact_sum *sum, double value, int shift);
-
 /* Adds another sum of the same shift. */
-void exact_merge(struct exact_sum *sum, const struct exact_sum *other);
+static inline void exact_merge(struct exact_sum *sum, const struct exact_sum *other)
+{
+    uint64_t low = sum->lo + other->lo;
+    uint64_t carry = low < other->lo ? 1u : 0u;
+    sum->hi = (int64_t)((uint64_t)sum->hi + (uint64_t)other->hi + carry);
+    sum->lo = low;
+}
 
-/* The sum as a double (three roundings at most): the same
- * for the same bits of *sum, within 2^-51 of the exact value. */
+/* Adds value * 2^shift, 64 - 1022 <= shift <= 64 + 1023. False, and *sum unchanged, where value is not finite or too
+ * large. Inline: a measuring step does it some ten times per element. */
+static inline bool exact_add(struct exact_sum *sum, double value, int shift)
+{
+    double scaled = value * real_pow2(shift - 64); /* in units of 2^64 quanta; exact unless it underflows */
+    if (!(fabs(scaled) < 0x1p56))
+        return false;
+    int64_t hi = (int64_t)scaled; /* towards zero */
+    double rest = scaled - (double)hi;
+    if (rest < 0.0) {
+        /* The magnitude's fraction, negated in two limbs: 1 + rest could round up to 1. */
+        uint64_t lo = (uint64_t)ceil(-rest * 0x1p64);
+        struct exact_sum term = {.hi = lo == 0 ? hi : hi - 1, .lo = ~lo + 1u};
+        exact_merge(sum, &term);
+    } else {
+        struct exact_sum term = {.hi = hi, .lo = (uint64_t)(rest * 0x1p64)};
+        exact_merge(sum, &term);
+    }
+    return true;
+}
+
+/* Adds units * 2^left quanta exactly, 0 <= left < 63. */
+static inline void exact_add_units(struct exact_sum *sum, int64_t units, int left)
+{
+    uint64_t bits = (uint64_t)units;
+    uint64_t sign = units < 0 ? ~(uint64_t)0 : 0;
+    struct exact_sum term = {.hi = (int64_t)(left == 0 ? sign : (sign << left) | (bits >> (64 - left))), .lo = bits << left};
+    exact_merge(sum, &term);
+}
+
+/* The sum as a double (three roundings at most): the same for the same bits of *sum, within 2^-51 of the exact
+ * value. */
 double exact_value(const struct exact_sum *sum, int shift);
 
 #endif

@@ -56,7 +56,7 @@ struct interaction_config {
     double mu;                         /* dry friction, default 0 */
     double yield, tensile;             /* override of the weaker material's Y and Yt0; NaN: none */
     double link_form, link_break;      /* in r0; defaults 0 (no welding) and 1.05 */
-    bool linked;                       /* do lattice neighbours start linked; default yes in one grain, no between bodies and grains */
+    bool linked;                       /* do lattice neighbours start linked; default yes in one grain, else no */
     double conductance;                /* factor on kappa_ij, default 1 */
 };
 

@@ -19,7 +19,8 @@ struct probe_sums {
 };
 
 struct measures {
-    struct exact_sum kinetic, potential, elastic, thermal, work; /* energies; work: put in by body force and driven elements */
+    struct exact_sum kinetic, potential, elastic, thermal; /* energies */
+    struct exact_sum work; /* the energy put in by body force and driven elements */
     struct exact_sum momentum[2];
     struct exact_sum angular;  /* angular momentum about the origin, orbital and spin */
     uint64_t elements, links, contacts;

@@ -12,7 +12,7 @@
 #include "dm2/sim/grid.h"
 #include "dm2/sim/measures.h"
 
-struct model; /* completed in model.c's private header; the accessors below are what other layers need */
+struct model; /* completed in dm2/sim/tables.h for the engine; the accessors below are what other layers need */
 
 /* Works out the tables. The config is borrowed for the life of the model. DM2_DECK with the reason: r_c below the
  * contact distance or a law that cannot be calibrated. */
@@ -24,6 +24,10 @@ const struct grid *model_grid(const struct model *model);
 struct measure_scales model_scales(const struct model *model);
 size_t model_elements(const struct model *model);   /* elements that the generator makes */
 double model_stable_dt(const struct model *model, const char **which); /* us; *which names the limiting mode */
+
+/* Mass of an element, g: rho0 times the area of its hexagonal cell, sqrt(3)/2 (2R)^2, times h = 1 cm, or the material's
+ * own mass. */
+double model_element_mass(const struct material_config *material, double radius);
 
 /* Elements per cell, counts[cx*cy], as generated: for the decomposition by particles. */
 enum dm2_status model_cell_counts(const struct model *model, uint32_t *counts, struct dm2_error *err);

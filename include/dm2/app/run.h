@@ -1,0 +1,79 @@
+/* What dm2-seq and dm2-client have in common: their options, loading the deck, the run directory, --check. */
+#ifndef DM2_APP_RUN_H
+#define DM2_APP_RUN_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include "dm2/app/options.h"
+#include "dm2/app/progress.h"
+#include "dm2/base/sha256.h"
+#include "dm2/base/status.h"
+#include "dm2/dist/decomposition.h"
+#include "dm2/sim/config.h"
+#include "dm2/sim/deck.h"
+#include "dm2/sim/model.h"
+#include "dm2/sim/results.h"
+
+struct run_options {
+    const char *program;
+    struct option_list operands; /* the deck */
+    const char *deck;
+    const char *directory; /* -o; NULL: from the deck's name */
+    struct option_list defines;
+    int64_t steps;      /* -1: as the deck says */
+    int64_t hash_every; /* 0: never */
+    const char *progress_text;
+    enum progress_mode progress;
+    bool overwrite, check, quiet, verbose, help, version;
+};
+
+enum { RUN_OPTIONS = 11 };
+
+/* Defaults, and the table of the options above: RUN_OPTIONS entries. A program puts its own before or after
+ * them. */
+void run_options_start(struct run_options *o, const char *program, struct option table[RUN_OPTIONS]);
+
+/* After options_parse: one deck, a --progress that is known. With --help or --version nothing is checked. */
+enum dm2_status run_options_finish(struct run_options *o, struct dm2_error *err);
+void run_options_free(struct run_options *o);
+
+/* A deck, loaded. */
+struct run {
+    struct deck_source source;
+    struct config config;
+    bool loaded; /* config is to be freed */
+    struct model *model;
+    unsigned char digest[SHA256_BYTES];
+};
+
+/* Reads, checks and builds. The deck's findings are printed on standard error (warnings not with --quiet).
+ * DM2_DECK and others, with a closing sentence in *err. */
+enum dm2_status run_load(const struct run_options *o, struct run *run, struct dm2_error *err);
+void run_free(struct run *run);
+
+/* Opens the run directory of -o, or the default one. */
+enum dm2_status run_open_results(const struct run_options *o, const struct run *run, struct results **out,
+                                 struct dm2_error *err);
+
+/* What --check prints: elements, cells, time step, each subdomain with its elements and interface, memory. It
+ * generates every subdomain once, so bodies that overlap are found here too. `server_names` (one per rank)
+ * may be NULL. */
+enum dm2_status run_print_check(FILE *to, const struct run_options *o, const struct run *run,
+                                const struct decomposition *d, const char *const *server_names,
+                                struct dm2_error *err);
+
+/* Prints the line of --hash-every, the same in both programs. Hashes are due at step 0, every K steps and the
+ * last. */
+void run_print_hash(int64_t step, uint64_t hash);
+bool run_hash_due(const struct run_options *o, const struct run *run, int64_t step);
+
+/* Prints a failure on standard error, with a hint at --help for a wrong command line; returns the exit
+ * status. */
+int run_report_failure(const char *program, const struct dm2_error *err);
+
+/* Prints "PROGRAM VERSION". */
+void run_print_version(const char *program);
+
+#endif

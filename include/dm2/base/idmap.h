@@ -1,0 +1,27 @@
+/* The paper's hash table (section 5.1): global id -> local index, its size set at run time. */
+#ifndef DM2_BASE_IDMAP_H
+#define DM2_BASE_IDMAP_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct idmap {
+    uint32_t *id;
+    int32_t *index; /* -1: empty slot */
+    size_t slots;   /* a power of two, at least twice the entries */
+    size_t entries;
+};
+
+/* An empty map with room for `entries`. 0, or -1 without memory (the map is then empty and has no room). A map may
+ * be prepared again; idmap_free releases it. */
+int idmap_prepare(struct idmap *map, size_t entries);
+void idmap_free(struct idmap *map);
+
+/* Adds id -> index; index >= 0. False where the id is in the map already or the map is full. */
+bool idmap_add(struct idmap *map, uint32_t id, int32_t index);
+
+/* The index of an id, -1 where it is not in the map. */
+int32_t idmap_find(const struct idmap *map, uint32_t id);
+
+#endif

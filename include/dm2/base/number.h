@@ -1,0 +1,23 @@
+/* Numbers as text: the fewest digits that read back to the same double, and a strict reader. */
+#ifndef DM2_BASE_NUMBER_H
+#define DM2_BASE_NUMBER_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum { NUMBER_TEXT_MAX = 32 };
+
+/* Writes x with the fewest of 15, 16 or 17 significant digits that read back to the same double ("nan",
+ * "inf", "-inf" for those) and returns the length. "-0" keeps its sign. */
+size_t number_format(double x, char out[NUMBER_TEXT_MAX]);
+
+/* Reads the number that fills text[0..length) to its end: decimal digits with optional sign, point and
+ * exponent, or nan, inf, -inf. False, and *x unchanged, for anything else: blanks, hexadecimal, an empty
+ * field, a number beyond the range of a double. */
+bool number_parse(const char *text, size_t length, double *x);
+
+/* The same for a whole number in the range of int64_t: digits with an optional sign. */
+bool number_parse_integer(const char *text, size_t length, int64_t *x);
+
+#endif

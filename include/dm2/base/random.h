@@ -1,0 +1,20 @@
+/* Random numbers as hashes: the same for the same (seed, id, purpose), whoever asks and in whatever order. */
+#ifndef DM2_BASE_RANDOM_H
+#define DM2_BASE_RANDOM_H
+
+#include <stdint.h>
+
+/* What a number is for; numbers for different purposes are independent. */
+enum random_purpose {
+    RANDOM_MIX = 1,
+    RANDOM_VELOCITY_X,
+    RANDOM_VELOCITY_Y
+};
+
+/* 64 well-mixed bits (splitmix64's finalizer over the three inputs). */
+uint64_t random_bits(uint64_t seed, uint64_t id, uint64_t purpose);
+
+/* Uniform in [0, 1), a multiple of 2^-53. */
+double random_uniform(uint64_t seed, uint64_t id, uint64_t purpose);
+
+#endif

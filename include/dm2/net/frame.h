@@ -1,0 +1,96 @@
+/* Frames: bounded, checked messages on a byte stream.
+ *
+ * A frame is a header of 16 bytes and a payload (docs/protocol.md):
+ *
+ *     0  u32  magic "DM2" 0x1a
+ *     4  u16  protocol version
+ *     6  u8   type of the message
+ *     7  u8   flags of the message
+ *     8  u32  length of the payload in bytes
+ *    12  u32  CRC-32C of header bytes 0..11 and the payload
+ *
+ * Reading one fails in exactly the ways of enum frame_fault, deadlines and broken connections apart. The
+ * magic is looked at as soon as four bytes are there, the version and the length before any payload is read;
+ * memory grows with the bytes that arrive, never with the length that is claimed. */
+#ifndef DM2_NET_FRAME_H
+#define DM2_NET_FRAME_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <sys/uio.h>
+
+#include "dm2/base/status.h"
+#include "dm2/net/socket.h"
+
+enum { FRAME_HEADER = 16 };
+#define FRAME_MAGIC      0x1a324d44U /* "DM2" 0x1a, little-endian */
+#define FRAME_LENGTH_MAX 0x40000000U /* of any payload */
+
+enum frame_fault {
+    FRAME_GOOD = 0,
+    FRAME_STRANGER, /* the magic is another: not this protocol at all */
+    FRAME_VERSION,  /* another protocol version */
+    FRAME_TOO_LONG, /* the length exceeds what the reader allows here */
+    FRAME_CHECKSUM, /* the bytes were changed on the way */
+    FRAME_CUT       /* the stream ended inside a frame */
+};
+
+struct frame_header {
+    uint16_t version;
+    uint8_t type, flags;
+    uint32_t length, checksum;
+};
+
+void frame_header_encode(const struct frame_header *h, unsigned char out[FRAME_HEADER]);
+/* FRAME_STRANGER, FRAME_VERSION, FRAME_TOO_LONG or FRAME_GOOD; *out is filled as far as it can be read. */
+enum frame_fault frame_header_decode(const unsigned char in[FRAME_HEADER], uint16_t version, uint32_t limit,
+                                     struct frame_header *out);
+
+/* A complete frame; the payload belongs to the channel and lasts until its next receive. */
+struct frame {
+    uint8_t type, flags;
+    const unsigned char *payload;
+    size_t length;
+};
+
+/* One end of a connection. */
+struct channel {
+    int fd;
+    uint16_t version;
+    char name[SOCKET_NAME]; /* the peer, for messages */
+    unsigned char header[FRAME_HEADER];
+    size_t header_got, payload_got;
+    struct frame_header in;
+    unsigned char *payload;
+    size_t payload_cap;
+    double heard; /* clock_now() when the last byte came */
+    uint64_t frames_in, frames_out, bytes_in, bytes_out;
+};
+
+/* Takes the descriptor over. */
+void channel_open(struct channel *ch, int fd, uint16_t version, const char *name);
+void channel_close(struct channel *ch);
+
+/* Closes in a way that lets the peer read what was sent last: ends the stream and discards what still comes,
+ * until the peer ends its own or the deadline. */
+void channel_hang_up(struct channel *ch, struct deadline until);
+
+/* Sends one frame, its payload gathered from the parts, with one write where the connection takes it. iov[0]
+ * is left to this function (for the header); the payload is iov[1 .. n_iov-1]; all are used up. The texts of
+ * failures name the peer. DM2_NET, DM2_TIMEOUT, DM2_INTERRUPTED. */
+enum dm2_status channel_send_parts(struct channel *ch, uint8_t type, uint8_t flags, struct iovec *iov,
+                                   size_t n_iov, struct deadline until, struct dm2_error *err);
+enum dm2_status channel_send(struct channel *ch, uint8_t type, uint8_t flags, const void *payload,
+                             size_t length, struct deadline until, struct dm2_error *err);
+
+/* Takes what has arrived, without waiting. *complete tells whether *out is a whole frame. DM2_PROTOCOL with
+ * the fault, DM2_NET where the peer closed between frames or the connection broke. */
+enum dm2_status channel_receive_some(struct channel *ch, uint32_t limit, bool *complete, struct frame *out,
+                                     struct dm2_error *err);
+
+/* Waits for a whole frame. The deadline holds for the frame, not for each byte. */
+enum dm2_status channel_receive(struct channel *ch, uint32_t limit, struct deadline until, struct frame *out,
+                                struct dm2_error *err);
+
+#endif

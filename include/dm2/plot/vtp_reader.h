@@ -1,0 +1,47 @@
+/* Reads snapshots back: VTK PolyData as this project writes it (dm2/sim/snapshot.h), into arrays of doubles.
+ */
+#ifndef DM2_PLOT_VTP_READER_H
+#define DM2_PLOT_VTP_READER_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "dm2/base/status.h"
+
+enum { VTP_NAME_MAX = 64 };
+
+struct vtp_array {
+    char section[16]; /* FieldData, Points, Verts, Lines or PointData */
+    char name[VTP_NAME_MAX];
+    size_t components, n_tuples;
+    double *values; /* n_tuples x components */
+};
+
+struct vtp_names {
+    size_t n;
+    char **name;
+};
+
+struct vtp {
+    size_t n_points, n_lines;
+    struct vtp_array *arrays;
+    size_t n_arrays;
+    struct vtp_names materials, bodies;
+    /* shortcuts into `arrays` */
+    const double *position; /* n_points x 3 */
+    const double *line;     /* n_lines x 2 indices of points, checked */
+};
+
+/* Reads a .vtp. DM2_IO, DM2_MEMORY; DM2_PROTOCOL with path:line where it is no well-formed PolyData with one
+ * piece of inline binary (UInt64 headers, little-endian) or ascii arrays, an array has another length than
+ * its points ask for, or a line names a point that is not there. vtp_free it. */
+enum dm2_status vtp_read(const char *path, struct vtp *out, struct dm2_error *err);
+void vtp_free(struct vtp *vtp);
+
+/* An array of a section, or NULL. */
+const struct vtp_array *vtp_find(const struct vtp *vtp, const char *section, const char *name);
+
+/* The first value of a field data array, or `otherwise` where there is none. */
+double vtp_value(const struct vtp *vtp, const char *name, double otherwise);
+
+#endif

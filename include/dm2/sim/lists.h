@@ -1,0 +1,61 @@
+/* Neighbour lists (paper, sections 2.1 and 4), half: a pair stands in the row of its lower slot, which is owned.
+ *
+ * Two lists, because what has no memory and no status costs less: `far` holds the pairs within the cutoff of a
+ * potential of scope `all`, plus dR; `near` those that are linked or can come into contact before dR is used up, with
+ * the memory of each pair. A pair may be in both. */
+#ifndef DM2_SIM_LISTS_H
+#define DM2_SIM_LISTS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "dm2/base/status.h"
+#include "dm2/sim/cells.h"
+#include "dm2/sim/particles.h"
+
+/* One half list: row i is entries start[i] .. start[i+1]-1. */
+struct half_list {
+    uint32_t *start; /* [n_own + 1] */
+    uint32_t *j;     /* partner slot of each entry */
+    size_t row_cap, cap;
+};
+
+struct lists {
+    struct half_list far, near;
+    /* memory of the near pairs, per entry */
+    uint8_t *linked;
+    double *stretch, *spring;
+    size_t memory_cap;
+};
+
+/* Memory of pairs that survives a rebuild, by new slots a < b, a owned; sorted into rows by a. */
+struct carried_pair {
+    uint32_t a, b;
+    double stretch, spring;
+    bool linked;
+};
+
+/* Builds both lists for the elements of p, which are in cell order. carried[0 .. n_carried) is given to the new
+ * entries (in any order; a pair may come twice with the same memory). With `initial`, lattice neighbours whose
+ * interface says so start linked. DM2_MEMORY; DM2_DECK: with `initial`, two elements closer than half their contact
+ * distance; DM2_NUMERIC: more than 2^32 - 1 entries. */
+enum dm2_status lists_build(struct lists *lists, const struct model *m, const struct particles *p,
+                            const struct cells *cells, const struct carried_pair *carried, size_t n_carried,
+                            bool initial, struct dm2_error *err);
+void lists_free(struct lists *lists);
+size_t lists_bytes(const struct lists *lists);
+
+/* Does this entry remember anything? */
+static inline bool lists_remembers(const struct lists *l, size_t entry)
+{
+    return l->linked[entry] || l->stretch[entry] != 0.0 || l->spring[entry] != 0.0;
+}
+
+/* The shortest difference vector across periodic sides; antisymmetric bit for bit. */
+static inline double lists_wrap(double d, double period, double half)
+{
+    return d > half ? d - period : d < -half ? d + period : d;
+}
+
+#endif

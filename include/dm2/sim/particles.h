@@ -1,0 +1,68 @@
+/* The elements of a subdomain as arrays: owned ones first, in cell order, then the mirrored ones. What the pair
+ * loops read is apart from what only the integration or a rebuild reads. */
+#ifndef DM2_SIM_PARTICLES_H
+#define DM2_SIM_PARTICLES_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "dm2/sim/element.h"
+#include "dm2/sim/tables.h"
+
+/* Slots of the pair sums of one element: one cache line. */
+enum pair_sum {
+    SUM_FX, /* force */
+    SUM_FY,
+    SUM_DX, /* its damping part */
+    SUM_DY,
+    SUM_TORQUE,
+    SUM_DTORQUE,  /* its damping part */
+    SUM_HEAT,     /* freed at once: slip, yield, breaking */
+    SUM_DHEAT,    /* lagged damping heat and conduction */
+    SUM_COUNT
+};
+
+struct particles {
+    size_t n_own; /* owned: [0, n_own) */
+    size_t n;     /* all: mirrored are [n_own, n) */
+    size_t cap;
+    double *r;    /* [n][2] position, cm */
+    double *v;    /* [n][2] velocity at the half step, cm/us */
+    double *w;    /* [n] angular velocity there, 1/us */
+    double *radius, *mass;
+    double *temperature; /* [n] K, follows from heat */
+    double *soft;        /* [n] softening factor, follows from temperature */
+    double *p;           /* [n] pressure of the last evaluation, Mbar */
+    double *heat, *work; /* [n] g cm2/us2 */
+    double *strain;      /* [n][3] xx, yy, xy, of owned elements */
+    uint16_t *bonds;     /* [n] links at the start, of owned elements */
+    uint32_t *id, *grain;
+    uint16_t *kind, *body;
+    uint8_t *flags, *probes;
+    int64_t *far_sum;  /* [n][2] fixed-point force of the potentials of scope all */
+    int64_t *pair_sum; /* [n][SUM_COUNT] fixed-point sums of everything else */
+    int64_t *virial;   /* [n][3] fixed-point sum of r (x) f: xx, yy, xy; of the last measuring step */
+    uint16_t *links, *contacts; /* [n] of the last measuring step */
+};
+
+/* Room for n elements, keeping the owned and mirrored ones. 0, or -1 without memory (then as before). */
+int particles_reserve(struct particles *p, size_t n);
+void particles_free(struct particles *p);
+size_t particles_bytes(const struct particles *p);
+
+/* Element i as a record, and a record into slot i. The second sets temperature and softening from the heat. */
+void particles_get(const struct particles *p, size_t i, struct element *out);
+void particles_put(struct particles *p, const struct model *m, size_t i, const struct element *in);
+
+/* Rearranges the state (not the sums): new slot k gets what slot from[k] held, for k < n; a slot with
+ * from[k] = PARTICLES_NONE is left to be put. 0, or -1 without memory. The caller sets n and n_own. */
+#define PARTICLES_NONE UINT32_MAX
+int particles_permute(struct particles *p, const uint32_t *from, size_t n);
+
+/* Temperature and softening factor of slot i from its heat. */
+void particles_warm(struct particles *p, const struct model *m, size_t i);
+
+/* Softening factor 1 - ((T - T0)/(Tm - T0))^n within [0, 1] (docs/physics.md, section 4). */
+double particles_softening(const struct kind *kind, double temperature);
+
+#endif

@@ -1,0 +1,83 @@
+/* The run directory: what a run leaves on disk (docs: README, "The run directory").
+ *
+ *   history.csv            one row per measured step, units in the header line
+ *   final.dm2              the state after the last step (dm2/sim/state.h)
+ *   snapshots/state-*.vtp  states at the steps that the deck names, with series.pvd (ParaView),
+ *   snapshots/state-*.xyz  and/or extended XYZ (OVITO) (dm2/sim/snapshot.h)
+ *   run.log, timing.csv    texts that the program writes with results_text
+ *
+ * Every file is written under a temporary name (its own with ".part" at the end), brought to disk and
+ * renamed, so a file under its final name is always whole. history.csv gets its final name in results_close
+ * only: a run that ended early leaves no history and no final state, while the snapshots that it completed
+ * stay. The bytes of history.csv, final.dm2 and the snapshots depend on the deck and the results alone.
+ *
+ * Every function that returns a status: DM2_IO with the path and the system's reason, or DM2_MEMORY. After a
+ * failure call results_abort. A disk that is full arrives as DM2_IO; so does a file size limit (RLIMIT_FSIZE)
+ * provided that the program ignores SIGXFSZ, which every program here does at its start. */
+#ifndef DM2_SIM_RESULTS_H
+#define DM2_SIM_RESULTS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "dm2/base/status.h"
+#include "dm2/sim/config.h"
+#include "dm2/sim/element.h"
+#include "dm2/sim/measures.h"
+
+struct results;
+
+enum { RESULTS_DIGEST_BYTES = 32 };
+
+/* The directory of a run whose command line names none: the deck's base name without its last suffix, and
+ * ".run", in the current directory ("input/plate-impact.dm2" gives "plate-impact.run"). malloc'd; NULL: no
+ * memory. */
+char *results_default_directory(const char *deck_path);
+
+/* Makes the directory (and its parents) or takes an empty one. One that is not empty is an error unless
+ * `overwrite`; then the files named above that an earlier run left in it are removed, and nothing else: call
+ * this after reading a checkpoint that may lie there. `config` is borrowed for the life of *out; `scales` is
+ * model_scales() of its model; `digest` goes into final.dm2. Opens history.csv and writes its header. */
+enum dm2_status results_open(const char *directory, bool overwrite, const struct config *config,
+                             struct measure_scales scales, const uint8_t digest[RESULTS_DIGEST_BYTES],
+                             struct results **out, struct dm2_error *err);
+
+/* The directory, for messages. */
+const char *results_directory(const struct results *r);
+
+/* Whether step `step` (0: the initial state, c->steps: the final one) has a row in history.csv: every
+ * output.history_every steps, and the last one. */
+bool results_history_due(const struct config *c, int64_t step);
+
+/* Whether the deck asks for a snapshot of the state at `step`. */
+bool results_snapshot_due(const struct config *c, int64_t step);
+
+/* Appends the row of one step. The columns `total` = kinetic + potential + elastic + thermal - work is what
+ * an exact integration keeps constant; it is summed exactly before it is rounded. */
+enum dm2_status results_history(struct results *r, int64_t step, const struct measures *m,
+                                struct dm2_error *err);
+
+/* Writes the state at `step` in each format that the deck asks for. Arrays in id order, `measured` beside
+ * `elements`, `pairs` by (id_a, id_b). */
+enum dm2_status results_snapshot(struct results *r, int64_t step, const struct element *elements,
+                                 const struct element_measure *measured, size_t n_elements,
+                                 const struct pair_record *pairs, size_t n_pairs, struct dm2_error *err);
+
+/* Writes final.dm2. Arrays as above. */
+enum dm2_status results_final(struct results *r, int64_t step, const struct element *elements,
+                              size_t n_elements, const struct pair_record *pairs, size_t n_pairs,
+                              struct dm2_error *err);
+
+/* Writes or replaces a text of the run: `name` is "run.log" or "timing.csv". */
+enum dm2_status results_text(struct results *r, const char *name, const char *text, size_t length,
+                             struct dm2_error *err);
+
+/* Gives history.csv its name and frees r, also where that fails (then as results_abort). */
+enum dm2_status results_close(struct results *r, struct dm2_error *err);
+
+/* Removes what is not complete, and the directory where results_open made it and it is empty; frees r (NULL
+ * is fine). Never fails: there is nobody left to tell. */
+void results_abort(struct results *r);
+
+#endif

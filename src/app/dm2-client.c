@@ -1,0 +1,267 @@
+/* dm2-client: runs a deck on servers; the paper's client process. */
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dm2/app/local_servers.h"
+#include "dm2/app/options.h"
+#include "dm2/app/progress.h"
+#include "dm2/app/run.h"
+#include "dm2/app/signals.h"
+#include "dm2/base/mem.h"
+#include "dm2/base/version.h"
+#include "dm2/dist/client.h"
+#include "dm2/dist/hosts.h"
+#include "dm2/dist/report.h"
+
+static const char PROGRAM[] = "dm2-client";
+
+enum { LOCAL_MOST = 1024 };
+
+struct client_command {
+    struct run_options run;
+    int64_t local; /* -n; 0: not given */
+    struct option_list servers;
+    const char *hosts, *balance;
+    bool send_deck;
+    double timeout;
+    const char *argv0;
+    int cancel;
+};
+
+/* What the events of a run need. */
+struct display {
+    struct progress progress;
+    const struct endpoints *servers;
+    bool quiet;
+};
+
+static enum dm2_status parse(struct client_command *c, int argc, char **argv, struct dm2_error *err)
+{
+    enum { OWN = 6 };
+    *c = (struct client_command){.timeout = 60, .argv0 = argv[0], .cancel = -1};
+    struct option table[OWN + RUN_OPTIONS] = {
+        {"local", 'n', OPTION_INTEGER, &c->local, "N", "starts N servers on this machine for this run", 1,
+         LOCAL_MOST},
+        {"hosts", 0, OPTION_TEXT, &c->hosts, "FILE",
+         "uses the servers of a hosts file: host[:port] [slots=K]", 0, 0},
+        {"server", 0, OPTION_LIST, &c->servers, "HOST[:PORT]", "uses this server; may be repeated", 0, 0},
+        {"balance", 0, OPTION_TEXT, &c->balance, "WHAT",
+         "cuts by space or particles (default: as the deck says)", 0, 0},
+        {"send-deck", 0, OPTION_FLAG, &c->send_deck, NULL, "sends the deck even where servers have a copy", 0,
+         0},
+        {"timeout", 0, OPTION_SECONDS, &c->timeout, "S",
+         "gives a silent server up after S seconds (default 60)", 0, 0},
+    };
+    run_options_start(&c->run, PROGRAM, table + OWN);
+    enum dm2_status status = options_parse(table, OWN + RUN_OPTIONS, argc, argv, &c->run.operands, err);
+    if (status == DM2_OK && c->run.help) {
+        (void)printf("usage: %s DECK [-n N | --hosts FILE | --server HOST[:PORT]...] [options]\n"
+                     "Runs a deck on servers. Without any, one per core is started on this machine.\n\n",
+                     PROGRAM);
+        options_print(stdout, table, OWN + RUN_OPTIONS);
+    }
+    if (status == DM2_OK)
+        status = run_options_finish(&c->run, err);
+    if (status == DM2_OK && c->local > 0 && (c->hosts != NULL || c->servers.n > 0))
+        status =
+            dm2_fail(err, DM2_USAGE, "-n starts servers itself: it does not go with --hosts or --server");
+    if (status == DM2_OK && c->balance != NULL && strcmp(c->balance, "space") != 0 &&
+        strcmp(c->balance, "particles") != 0)
+        status = dm2_fail(err, DM2_USAGE, "--balance '%s': space or particles is expected", c->balance);
+    return status;
+}
+
+/* The servers that the command line names; none where local ones are to be started. */
+static enum dm2_status named_servers(const struct client_command *c, struct endpoints *list,
+                                     struct dm2_error *err)
+{
+    enum dm2_status status = c->hosts != NULL ? hosts_read(c->hosts, list, err) : DM2_OK;
+    for (size_t k = 0; k < c->servers.n && status == DM2_OK; k++)
+        status = hosts_parse_server(c->servers.items[k], list, err);
+    return status;
+}
+
+static enum dm2_status decompose(const struct client_command *c, const struct run *run, int ranks,
+                                 struct decomposition *out, struct dm2_error *err)
+{
+    const struct grid *g = model_grid(run->model);
+    bool particles =
+        c->balance != NULL ? strcmp(c->balance, "particles") == 0 : run->config.balance == BALANCE_PARTICLES;
+    uint32_t *counts = NULL;
+    enum dm2_status status = DM2_OK;
+    *out = (struct decomposition){0};
+    if (particles) {
+        counts = mem_zalloc((size_t)g->cx * (size_t)g->cy, sizeof *counts);
+        if (counts == NULL)
+            return dm2_fail(err, DM2_MEMORY, "no memory for %d x %d cells", g->cx, g->cy);
+        status = model_cell_counts(run->model, counts, err);
+    }
+    if (status == DM2_OK)
+        status = decomposition_bisect(g, ranks, counts, out, err);
+    free(counts);
+    return status;
+}
+
+static void show_step(void *context, int64_t step, int slowest, double busy)
+{
+    struct display *d = context;
+    char text[HOST_MAX + 64];
+    (void)snprintf(text, sizeof text, "%s:%d (%.2f ms)", d->servers->items[slowest].host,
+                   d->servers->items[slowest].port, 1e3 * busy);
+    progress_step(&d->progress, step, d->servers->n > 1 ? text : NULL);
+}
+
+static void show_hash(void *context, int64_t step, uint64_t hash)
+{
+    (void)context;
+    run_print_hash(step, hash);
+}
+
+static void show_note(void *context, const char *line)
+{
+    const struct display *d = context;
+    if (!d->quiet)
+        (void)fprintf(stderr, "%s: %s\n", PROGRAM, line);
+}
+
+static void print_summary(const struct client_command *c, const struct run_report *r, const char *directory)
+{
+    if (c->run.quiet)
+        return;
+    (void)printf("%lld steps of %zu elements on %d server%s in %.3f s: %.4g element-steps/s\n",
+                 (long long)r->steps, r->elements, r->ranks, r->ranks == 1 ? "" : "s", r->total,
+                 report_rate(r));
+    (void)printf("results in %s\n", directory);
+}
+
+/* The run itself, with servers that are up. */
+static enum dm2_status run_on(const struct client_command *c, const struct run *run,
+                              const struct decomposition *d, const struct endpoints *servers, bool send_deck,
+                              struct results *results, struct run_report *report, struct dm2_error *err)
+{
+    struct display display = {.servers = servers, .quiet = c->run.quiet};
+    const struct client_options options = {
+        .servers = servers->items,
+        .deck_path = c->run.deck,
+        .version = DM2_VERSION,
+        .timeout = c->timeout,
+        .send_deck = send_deck,
+        .hash_every = c->run.hash_every,
+        .cancel = c->cancel,
+        .events = {.context = &display, .step = show_step, .hash = show_hash, .note = show_note}};
+    const struct client_job job = {.source = &run->source,
+                                   .config = &run->config,
+                                   .model = run->model,
+                                   .decomposition = d,
+                                   .results = results};
+    progress_start(&display.progress, c->run.progress, run->config.steps, model_elements(run->model));
+    enum dm2_status status = client_run(&job, &options, report, err);
+    progress_end(&display.progress);
+    return status;
+}
+
+/* From the run directory to its last file. */
+static enum dm2_status run_all(const struct client_command *c, const struct run *run,
+                               const struct decomposition *d, struct endpoints *servers,
+                               struct dm2_error *err)
+{
+    struct results *results = NULL;
+    struct run_report report = {0};
+    struct local_servers local = {0};
+    bool send_deck = c->send_deck || servers->n == 0;
+    enum dm2_status status = run_open_results(&c->run, run, &results, err);
+    if (status == DM2_OK && servers->n == 0)
+        status = local_servers_start(c->argv0, d->ranks, c->run.verbose, c->cancel, &local, servers, err);
+    if (status == DM2_OK)
+        status = run_on(c, run, d, servers, send_deck, results, &report, err);
+    local_servers_stop(&local);
+    if (status == DM2_OK)
+        status = report_write(&report, results, err);
+    if (status != DM2_OK) {
+        results_abort(results);
+    } else {
+        char directory[1024];
+        (void)snprintf(directory, sizeof directory, "%s", results_directory(results));
+        status = results_close(results, err);
+        if (status == DM2_OK)
+            print_summary(c, &report, directory);
+    }
+    free(report.servers);
+    return status;
+}
+
+static enum dm2_status check_only(const struct client_command *c, const struct run *run,
+                                  const struct decomposition *d, const struct endpoints *servers,
+                                  struct dm2_error *err)
+{
+    char(*names)[HOST_MAX + 8] = mem_zalloc((size_t)d->ranks, sizeof *names);
+    const char **list = mem_zalloc((size_t)d->ranks, sizeof *list);
+    enum dm2_status status = DM2_OK;
+    if (names == NULL || list == NULL)
+        status = dm2_fail(err, DM2_MEMORY, "no memory for %d names", d->ranks);
+    for (size_t k = 0; k < servers->n && status == DM2_OK; k++) {
+        (void)snprintf(names[k], sizeof names[k], "%s:%d", servers->items[k].host, servers->items[k].port);
+        list[k] = names[k];
+    }
+    if (status == DM2_OK)
+        status = run_print_check(stdout, &c->run, run, d, servers->n > 0 ? list : NULL, err);
+    free(names);
+    free(list);
+    return status;
+}
+
+/* How many servers the run has. */
+static int choose_ranks(const struct client_command *c, const struct run *run,
+                        const struct endpoints *servers)
+{
+    if (servers->n > 0)
+        return (int)servers->n;
+    if (c->local > 0)
+        return (int)c->local;
+    const struct grid *g = model_grid(run->model);
+    int cells = g->cx * g->cy, cores = local_servers_cores(), n = cores < cells ? cores : cells;
+    if (!c->run.quiet)
+        (void)fprintf(
+            stderr,
+            "%s: no servers are named: using %d on this machine, one per core (-n N, --hosts or --server "
+            "choose)\n",
+            PROGRAM, n);
+    return n;
+}
+
+static enum dm2_status work(struct client_command *c, struct dm2_error *err)
+{
+    struct endpoints servers = {0};
+    struct run run = {0};
+    struct decomposition d = {0};
+    enum dm2_status status = named_servers(c, &servers, err);
+    if (status == DM2_OK)
+        status = run_load(&c->run, &run, err);
+    if (status == DM2_OK)
+        status = decompose(c, &run, choose_ranks(c, &run, &servers), &d, err);
+    if (status == DM2_OK)
+        status = c->run.check ? check_only(c, &run, &d, &servers, err) : run_all(c, &run, &d, &servers, err);
+    decomposition_free(&d);
+    run_free(&run);
+    endpoints_free(&servers);
+    return status;
+}
+
+int main(int argc, char **argv)
+{
+    struct client_command c;
+    struct dm2_error err = {0};
+    enum dm2_status status = parse(&c, argc, argv, &err);
+    if (status == DM2_OK && c.run.version)
+        run_print_version(PROGRAM);
+    if (status == DM2_OK && !c.run.help && !c.run.version) {
+        c.cancel = signals_catch();
+        status = work(&c, &err);
+    }
+    option_list_free(&c.servers);
+    run_options_free(&c.run);
+    return status == DM2_OK ? 0 : run_report_failure(PROGRAM, &err);
+}

@@ -1,0 +1,306 @@
+/* dm2-plot: pictures of snapshots and charts of tables, as SVG. */
+#include <math.h>
+#include <signal.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dm2/app/options.h"
+#include "dm2/base/csv.h"
+#include "dm2/base/number.h"
+#include "dm2/base/text.h"
+#include "dm2/base/version.h"
+#include "dm2/plot/chart.h"
+#include "dm2/plot/picture.h"
+#include "dm2/plot/vtp_reader.h"
+
+enum { SERIES_MAX = 32 };
+
+static const char usage[] = "usage: dm2-plot snapshot FILE.vtp [options]   draws the elements of a state\n"
+                            "       dm2-plot chart FILE.csv [options]      draws columns of a table\n";
+
+/* Everything that the two commands take. */
+struct arguments {
+    const char *out, *title;
+    int64_t width;
+    bool help;
+    /* snapshot */
+    const char *colour;
+    bool links;
+    double range[2];
+    /* chart */
+    const char *x, *y, *x_label, *y_label;
+    bool log_x, log_y, markers;
+};
+
+/* The file's base name with the suffix ".svg", in the current directory; malloc'd. */
+static char *default_output(const char *path)
+{
+    const char *slash = strrchr(path, '/'), *base = slash == NULL ? path : slash + 1,
+               *dot = strrchr(base, '.');
+    size_t length = dot == NULL || dot == base ? strlen(base) : (size_t)(dot - base);
+    char *out = malloc(length + 5);
+    if (out != NULL) {
+        memcpy(out, base, length);
+        memcpy(out + length, ".svg", 5);
+    }
+    return out;
+}
+
+/* Takes `--range MIN MAX` out of the command line: the one option with two values. */
+static enum dm2_status take_range(int *argc, char **argv, double range[2], struct dm2_error *err)
+{
+    range[0] = range[1] = NAN;
+    for (int i = 1; i < *argc; i++) {
+        if (strcmp(argv[i], "--") == 0)
+            break;
+        if (strcmp(argv[i], "--range") != 0)
+            continue;
+        for (int k = 0; k < 2; k++)
+            if (i + 1 + k >= *argc || !number_parse(argv[i + 1 + k], strlen(argv[i + 1 + k]), &range[k]) ||
+                !isfinite(range[k]))
+                return dm2_fail(err, DM2_USAGE, "--range needs two numbers: MIN MAX");
+        for (int k = i; k + 3 <= *argc; k++)
+            argv[k] = argv[k + 3]; /* the NULL at the end, too */
+        *argc -= 3;
+        i--;
+    }
+    return DM2_OK;
+}
+
+/* Parses what follows the command; the one operand is the file. */
+static enum dm2_status parse(const struct option *table, size_t n, int argc, char **argv,
+                             const struct arguments *a, const char **file, struct dm2_error *err)
+{
+    struct option_list operands = {0};
+    enum dm2_status status = options_parse(table, n, argc, argv, &operands, err);
+    if (status == DM2_OK && !a->help && operands.n != 1)
+        status =
+            dm2_fail(err, DM2_USAGE, "one file is expected, %zu were given; --help explains", operands.n);
+    *file = status == DM2_OK && operands.n == 1 ? operands.items[0] : NULL;
+    option_list_free(&operands);
+    return status;
+}
+
+static void print_help(const char *first, const struct option *table, size_t n)
+{
+    printf("%s\n", first);
+    options_print(stdout, table, n);
+}
+
+static enum dm2_status snapshot_command(int argc, char **argv, struct dm2_error *err)
+{
+    struct arguments a = {.width = 900};
+    const struct option table[] = {
+        {"output", 'o', OPTION_TEXT, &a.out, "OUT.svg", "where to write; default FILE.svg here", 0, 0},
+        {"colour", 'c', OPTION_TEXT, &a.colour, "WHAT",
+         "what colours the elements, see below; default material", 0, 0},
+        {"links", 0, OPTION_FLAG, &a.links, NULL, "draw the links", 0, 0},
+        {"title", 't', OPTION_TEXT, &a.title, "TEXT", "a headline", 0, 0},
+        {"width", 'w', OPTION_INTEGER, &a.width, "PX", "width of the picture; default 900", 300, 20000},
+        {"help", 'h', OPTION_FLAG, &a.help, NULL, "this", 0, 0},
+    };
+    const char *file;
+    enum dm2_status status = take_range(&argc, argv, a.range, err);
+    if (status == DM2_OK)
+        status = parse(table, sizeof table / sizeof table[0], argc, argv, &a, &file, err);
+    if (status != DM2_OK)
+        return status;
+    if (a.help) {
+        print_help("usage: dm2-plot snapshot FILE.vtp [options]", table, sizeof table / sizeof table[0]);
+        printf("      --range MIN MAX          %s\n\nWHAT is one of: %s\n",
+               "range of the colours; default: of the values", picture_colours());
+        return DM2_OK;
+    }
+    char *own = a.out == NULL ? default_output(file) : NULL;
+    const char *out = a.out == NULL ? own : a.out;
+    struct vtp vtp;
+    if (out == NULL)
+        return dm2_fail(err, DM2_MEMORY, "no memory for a file name");
+    status = vtp_read(file, &vtp, err);
+    if (status == DM2_OK) {
+        const struct picture_options options = {
+            a.colour, a.links, {a.range[0], a.range[1]}, a.title, (double)a.width};
+        status = picture_write(out, &vtp, &options, err);
+        vtp_free(&vtp);
+    }
+    if (status == DM2_OK)
+        printf("%s\n", out);
+    free(own);
+    return status;
+}
+
+/* A chart's columns: the names in `list`, comma-separated, looked up one by one. */
+struct columns {
+    double *x, *y[SERIES_MAX];
+    const char *heading[SERIES_MAX];
+    size_t n;
+};
+
+static void columns_free(struct columns *c)
+{
+    free(c->x);
+    for (size_t i = 0; i < c->n; i++)
+        free(c->y[i]);
+}
+
+static enum dm2_status take_columns(const struct csv *csv, char *list, struct columns *c,
+                                    struct dm2_error *err)
+{
+    for (char *name = list, *next; name != NULL; name = next) {
+        size_t column;
+        next = strchr(name, ',');
+        if (next != NULL)
+            *next++ = '\0';
+        if (c->n == SERIES_MAX)
+            return dm2_fail(err, DM2_USAGE, "--y names more than %d columns", SERIES_MAX);
+        enum dm2_status status = csv_column(csv, name, &column, err);
+        if (status == DM2_OK)
+            status = csv_numbers(csv, column, &c->y[c->n], err);
+        if (status != DM2_OK)
+            return status;
+        c->heading[c->n++] = csv_heading(csv, column);
+    }
+    return DM2_OK;
+}
+
+/* A unit that all the columns share goes to the axis: returns it, "[us]", and cuts it off the names; NULL:
+ * none. */
+static const char *shared_unit(const struct columns *c, char names[SERIES_MAX][64])
+{
+    const char *unit = strstr(c->heading[0], " [");
+    for (size_t i = 0; i < c->n; i++) {
+        const char *own = strstr(c->heading[i], " [");
+        if (unit == NULL || own == NULL || strcmp(own, unit) != 0)
+            return NULL;
+    }
+    for (size_t i = 0; i < c->n; i++)
+        (void)snprintf(names[i], 64, "%.*s", (int)(strstr(c->heading[i], " [") - c->heading[i]),
+                       c->heading[i]);
+    return unit + 1;
+}
+
+static enum dm2_status draw_chart(const struct csv *csv, const struct arguments *a, char *list,
+                                  const char *out, struct dm2_error *err)
+{
+    struct columns c = {0};
+    struct chart_series series[SERIES_MAX];
+    char names[SERIES_MAX][64];
+    const char *unit = NULL;
+    size_t x_column;
+    enum dm2_status status = csv_column(csv, a->x, &x_column, err);
+    if (status == DM2_OK)
+        status = csv_numbers(csv, x_column, &c.x, err);
+    if (status == DM2_OK)
+        status = take_columns(csv, list, &c, err);
+    if (status == DM2_OK && c.n > 1)
+        unit = shared_unit(&c, names);
+    for (size_t i = 0; status == DM2_OK && i < c.n; i++)
+        series[i] = (struct chart_series){.name = unit != NULL ? names[i] : c.heading[i],
+                                          .x = c.x,
+                                          .y = c.y[i],
+                                          .n = csv->n_rows,
+                                          .colour = i,
+                                          .line = true,
+                                          .markers = a->markers};
+    if (status == DM2_OK) {
+        const struct chart chart = {
+            .title = a->title,
+            .x_label = a->x_label != NULL ? a->x_label : csv_heading(csv, x_column),
+            .y_label = a->y_label != NULL ? a->y_label
+                       : c.n == 1         ? c.heading[0]
+                                          : unit,
+            .log_x = a->log_x,
+            .log_y = a->log_y,
+            .width = (double)a->width,
+            .height = 0.6 * (double)a->width,
+            .series = series,
+            .n_series = c.n,
+        };
+        status = chart_write(out, &chart, err);
+    }
+    columns_free(&c);
+    return status;
+}
+
+static enum dm2_status chart_command(int argc, char **argv, struct dm2_error *err)
+{
+    struct arguments a = {.width = 760};
+    const struct option table[] = {
+        {"output", 'o', OPTION_TEXT, &a.out, "OUT.svg", "where to write; default FILE.svg here", 0, 0},
+        {"x", 'x', OPTION_TEXT, &a.x, "COLUMN", "the column across; required", 0, 0},
+        {"y", 'y', OPTION_TEXT, &a.y, "COLUMN,...", "the columns to draw; required", 0, 0},
+        {"log-x", 0, OPTION_FLAG, &a.log_x, NULL, "a logarithmic scale across", 0, 0},
+        {"log-y", 0, OPTION_FLAG, &a.log_y, NULL, "a logarithmic scale upwards", 0, 0},
+        {"markers", 0, OPTION_FLAG, &a.markers, NULL, "mark the points", 0, 0},
+        {"title", 't', OPTION_TEXT, &a.title, "TEXT", "a headline", 0, 0},
+        {"xlabel", 0, OPTION_TEXT, &a.x_label, "TEXT", "below the chart; default the column's heading", 0, 0},
+        {"ylabel", 0, OPTION_TEXT, &a.y_label, "TEXT", "beside it; default the heading of a single column", 0,
+         0},
+        {"width", 'w', OPTION_INTEGER, &a.width, "PX", "width of the chart; default 760", 300, 20000},
+        {"help", 'h', OPTION_FLAG, &a.help, NULL, "this", 0, 0},
+    };
+    const char *file;
+    enum dm2_status status = parse(table, sizeof table / sizeof table[0], argc, argv, &a, &file, err);
+    if (status != DM2_OK)
+        return status;
+    if (a.help) {
+        print_help("usage: dm2-plot chart FILE.csv --x COLUMN --y COLUMN[,COLUMN...] [options]", table,
+                   sizeof table / sizeof table[0]);
+        return DM2_OK;
+    }
+    if (a.x == NULL || a.y == NULL)
+        return dm2_fail(err, DM2_USAGE, "--x and --y must name columns of the table");
+    struct csv csv;
+    status = csv_read(file, &csv, err);
+    if (status != DM2_OK)
+        return status;
+    char *own = a.out == NULL ? default_output(file) : NULL, *list = text_join(a.y, "", "");
+    const char *out = a.out == NULL ? own : a.out;
+    if (out == NULL || list == NULL)
+        status = dm2_fail(err, DM2_MEMORY, "no memory for a file name");
+    else
+        status = draw_chart(&csv, &a, list, out, err);
+    if (status == DM2_OK)
+        printf("%s\n", out);
+    free(own);
+    free(list);
+    csv_free(&csv);
+    return status;
+}
+
+/* A file that does not decode is no peer's fault here: 1, where dm2_exit_code would say 3. */
+static int exit_code(enum dm2_status status)
+{
+    return status == DM2_PROTOCOL ? 1 : dm2_exit_code(status);
+}
+
+int main(int argc, char **argv)
+{
+    struct dm2_error err = {0};
+    const char *command = argc > 1 ? argv[1] : "";
+    enum dm2_status status;
+    (void)signal(SIGXFSZ, SIG_IGN); /* a file size limit is an error to report */
+    if (strcmp(command, "-h") == 0 || strcmp(command, "--help") == 0) {
+        fputs(usage, stdout);
+        return 0;
+    }
+    if (strcmp(command, "--version") == 0) {
+        puts("dm2-plot " DM2_VERSION);
+        return 0;
+    }
+    if (strcmp(command, "snapshot") == 0)
+        status = snapshot_command(argc - 1, argv + 1, &err);
+    else if (strcmp(command, "chart") == 0)
+        status = chart_command(argc - 1, argv + 1, &err);
+    else
+        status = dm2_fail(&err, DM2_USAGE, "'%s' is no command; snapshot and chart are", command);
+    if (status != DM2_OK)
+        fprintf(stderr, "dm2-plot: %s\n%s", err.text, status == DM2_USAGE && command[0] == '\0' ? usage : "");
+    else if (fflush(stdout) != 0 || ferror(stdout)) {
+        fprintf(stderr, "dm2-plot: cannot write to standard output\n");
+        status = DM2_IO;
+    }
+    return exit_code(status);
+}

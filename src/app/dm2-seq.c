@@ -1,0 +1,247 @@
+/* dm2-seq: the sequential algorithm (paper, Fig. 5): the engine on one subdomain that owns every cell, without a
+ * socket. Its time per step is T_seq of the performance model. */
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "dm2/app/options.h"
+#include "dm2/app/progress.h"
+#include "dm2/app/run.h"
+#include "dm2/app/signals.h"
+#include "dm2/base/clock.h"
+#include "dm2/base/mem.h"
+#include "dm2/base/version.h"
+#include "dm2/dist/decomposition.h"
+#include "dm2/dist/report.h"
+#include "dm2/sim/rebuild.h"
+#include "dm2/sim/state_hash.h"
+#include "dm2/sim/subdomain.h"
+
+static const char PROGRAM[] = "dm2-seq";
+
+/* A run in progress. */
+struct sequence {
+    const struct run_options *options;
+    const struct run *run;
+    struct results *results;
+    struct subdomain *sd;
+    struct rebuild_plan plan;
+    struct parcel parcel;
+    struct element *elements; /* room for a state */
+    struct element_measure *measured;
+    struct run_report report;
+    struct server_report server;
+};
+
+/* Collects the present state and hands it to the results: a snapshot, or the final state. */
+static enum dm2_status write_state(struct sequence *s, bool final, struct dm2_error *err)
+{
+    struct pair_record *pairs = NULL;
+    size_t n = subdomain_owned(s->sd), n_pairs = 0;
+    double started = clock_now();
+    if (s->elements == NULL) {
+        s->elements = mem_alloc(n, sizeof *s->elements);
+        s->measured = mem_alloc(n, sizeof *s->measured);
+        if (s->elements == NULL || s->measured == NULL)
+            return dm2_fail(err, DM2_MEMORY, "no memory to collect the state of %zu elements", n);
+    }
+    enum dm2_status status = subdomain_collect(s->sd, s->elements, final ? NULL : s->measured, err);
+    if (status == DM2_OK)
+        status = subdomain_collect_pairs(s->sd, &pairs, &n_pairs, err);
+    int64_t step = subdomain_step(s->sd);
+    if (status == DM2_OK && final)
+        status = results_final(s->results, step, s->elements, n, pairs, n_pairs, err);
+    else if (status == DM2_OK)
+        status = results_snapshot(s->results, step, s->elements, s->measured, n, pairs, n_pairs, err);
+    free(pairs);
+    s->report.output += clock_now() - started;
+    return status;
+}
+
+static enum dm2_status print_hash(const struct sequence *s, struct dm2_error *err)
+{
+    uint64_t hash;
+    if (!run_hash_due(s->options, s->run, subdomain_step(s->sd)))
+        return DM2_OK;
+    enum dm2_status status = state_hash_subdomain(s->sd, &hash, err);
+    if (status == DM2_OK)
+        run_print_hash(subdomain_step(s->sd), hash);
+    return status;
+}
+
+/* New cells and lists for everybody. */
+static enum dm2_status rebuild(struct sequence *s, struct dm2_error *err)
+{
+    enum dm2_status status = subdomain_sort_out(s->sd, &s->parcel, err);
+    if (status == DM2_OK)
+        status = subdomain_take_in(s->sd, &s->parcel, 1, err);
+    rebuild_plan_done(&s->plan);
+    s->report.rebuilds++;
+    return status;
+}
+
+/* One time step (paper, Fig. 5): forces, the states and measures that are due, leapfrog, lists. */
+static enum dm2_status step(struct sequence *s, struct dm2_error *err)
+{
+    const struct config *c = &s->run->config;
+    int64_t n = subdomain_step(s->sd);
+    bool history = results_history_due(c, n), snapshot = results_snapshot_due(c, n);
+    struct measures measures;
+    double dmax, started = clock_now();
+    enum dm2_status status = subdomain_forces(s->sd, history || snapshot, err);
+    if (status == DM2_OK && snapshot)
+        status = write_state(s, false, err);
+    if (status == DM2_OK)
+        status = subdomain_move(s->sd, &dmax, history ? &measures : NULL, err);
+    if (status == DM2_OK && rebuild_plan_step(&s->plan, dmax))
+        status = rebuild(s, err);
+    if (!snapshot) { /* a step with a snapshot is not a time step alone */
+        s->report.stepping += clock_now() - started;
+        s->report.timed++;
+    }
+    started = clock_now();
+    if (status == DM2_OK && history)
+        status = results_history(s->results, n, &measures, err);
+    s->report.output += clock_now() - started;
+    s->report.steps = n + 1;
+    return status;
+}
+
+/* The last state as it is, then evaluated once more for the last measures. */
+static enum dm2_status finish(struct sequence *s, struct dm2_error *err)
+{
+    const struct config *c = &s->run->config;
+    struct measures measures;
+    enum dm2_status status = write_state(s, true, err);
+    if (status == DM2_OK)
+        status = subdomain_forces(s->sd, true, err);
+    if (status == DM2_OK && results_snapshot_due(c, c->steps))
+        status = write_state(s, false, err);
+    if (status == DM2_OK)
+        status = subdomain_measure_last(s->sd, &measures, err);
+    if (status == DM2_OK && results_history_due(c, c->steps))
+        status = results_history(s->results, c->steps, &measures, err);
+    return status;
+}
+
+static enum dm2_status run_steps(struct sequence *s, int cancel, struct dm2_error *err)
+{
+    struct progress progress;
+    struct pollfd signal = {.fd = cancel, .events = POLLIN};
+    int64_t steps = s->run->config.steps;
+    enum dm2_status status = print_hash(s, err);
+    progress_start(&progress, s->options->progress, steps, model_elements(s->run->model));
+    while (status == DM2_OK && subdomain_step(s->sd) < steps) {
+        status = step(s, err);
+        if (status == DM2_OK)
+            status = print_hash(s, err);
+        if (status == DM2_OK && cancel >= 0 && poll(&signal, 1, 0) > 0)
+            status = dm2_fail(err, DM2_INTERRUPTED, "the run was interrupted by a signal at step %lld",
+                              (long long)subdomain_step(s->sd));
+        if (status == DM2_OK)
+            progress_step(&progress, subdomain_step(s->sd), NULL);
+    }
+    progress_end(&progress);
+    return status == DM2_OK ? finish(s, err) : status;
+}
+
+static void fill_report(struct sequence *s, double started)
+{
+    struct subdomain_times t;
+    subdomain_take_times(s->sd, &t);
+    const struct grid *g = model_grid(s->run->model);
+    s->server = (struct server_report){.name = "here", .cells = (size_t)g->cx * (size_t)g->cy,
+                                       .owned = subdomain_owned(s->sd), .bytes = subdomain_bytes(s->sd)};
+    s->server.times.forces = t.forces;
+    s->server.times.integrate = t.integrate;
+    s->server.times.rebuild = t.rebuild;
+    s->server.times.output = s->report.output;
+    s->server.times.rebuilds = t.rebuilds;
+    s->server.times.steps = (uint64_t)s->report.steps;
+    s->report.program = PROGRAM;
+    s->report.version = DM2_VERSION;
+    s->report.deck = s->options->deck;
+    s->report.elements = model_elements(s->run->model);
+    s->report.update_bytes = 8 * subdomain_update_width(s->run->model);
+    s->report.ranks = 1;
+    s->report.servers = &s->server;
+    s->report.total = clock_now() - started;
+}
+
+static void print_summary(const struct sequence *s, const char *directory)
+{
+    if (s->options->quiet)
+        return;
+    (void)printf("%lld steps of %zu elements in %.3f s: %.4g element-steps/s\n", (long long)s->report.steps,
+                 s->report.elements, s->report.total, report_rate(&s->report));
+    (void)printf("results in %s\n", directory);
+}
+
+static enum dm2_status run_all(struct sequence *s, const struct decomposition *d, int cancel, struct dm2_error *err)
+{
+    const struct domain_map map = {.grid = &d->grid, .ranks = 1, .owner = d->owner};
+    double started = clock_now();
+    enum dm2_status status = run_open_results(s->options, s->run, &s->results, err);
+    if (status == DM2_OK)
+        status = subdomain_create(s->run->model, &map, 0, &s->sd, err);
+    s->report.set_up = clock_now() - started;
+    rebuild_plan_start(&s->plan, &s->run->config);
+    if (status == DM2_OK)
+        status = run_steps(s, cancel, err);
+    if (status == DM2_OK) {
+        fill_report(s, started);
+        status = report_write(&s->report, s->results, err);
+    }
+    if (status != DM2_OK) {
+        results_abort(s->results);
+    } else {
+        char directory[4096];
+        (void)snprintf(directory, sizeof directory, "%s", results_directory(s->results));
+        status = results_close(s->results, err);
+        if (status == DM2_OK)
+            print_summary(s, directory);
+    }
+    subdomain_free(s->sd);
+    free(s->elements);
+    free(s->measured);
+    return status;
+}
+
+static enum dm2_status work(const struct run_options *o, int cancel, struct dm2_error *err)
+{
+    struct run run = {0};
+    struct decomposition d = {0};
+    enum dm2_status status = run_load(o, &run, err);
+    if (status == DM2_OK)
+        status = decomposition_bisect(model_grid(run.model), 1, NULL, &d, err);
+    if (status == DM2_OK && o->check) {
+        status = run_print_check(stdout, o, &run, &d, NULL, err);
+    } else if (status == DM2_OK) {
+        struct sequence s = {.options = o, .run = &run};
+        status = run_all(&s, &d, cancel, err);
+    }
+    decomposition_free(&d);
+    run_free(&run);
+    return status;
+}
+
+int main(int argc, char **argv)
+{
+    struct run_options options;
+    struct option table[RUN_OPTIONS];
+    struct dm2_error err = {0};
+    run_options_start(&options, PROGRAM, table);
+    enum dm2_status status = options_parse(table, RUN_OPTIONS, argc, argv, &options.operands, &err);
+    if (status == DM2_OK && options.help) {
+        (void)printf("usage: %s DECK [options]\nRuns a deck in this one process.\n\n", PROGRAM);
+        options_print(stdout, table, RUN_OPTIONS);
+    }
+    if (status == DM2_OK)
+        status = run_options_finish(&options, &err);
+    if (status == DM2_OK && options.version)
+        run_print_version(PROGRAM);
+    if (status == DM2_OK && !options.help && !options.version)
+        status = work(&options, signals_catch(), &err);
+    run_options_free(&options);
+    return status == DM2_OK ? 0 : run_report_failure(PROGRAM, &err);
+}

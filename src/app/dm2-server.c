@@ -1,0 +1,125 @@
+/* dm2-server: the iterative daemon on a workstation. It waits for a client, serves its session, and goes back
+ * to wait. */
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+#include "dm2/app/options.h"
+#include "dm2/app/run.h"
+#include "dm2/app/signals.h"
+#include "dm2/base/version.h"
+#include "dm2/dist/messages.h"
+#include "dm2/dist/server.h"
+#include "dm2/net/socket.h"
+
+static const char PROGRAM[] = "dm2-server";
+
+struct server_command {
+    int64_t port;
+    const char *listen, *deck_dir;
+    double timeout;
+    bool once, quiet, verbose, help, version;
+};
+
+static enum dm2_status parse(struct server_command *c, int argc, char **argv, struct dm2_error *err)
+{
+    *c = (struct server_command){.port = DEFAULT_PORT, .listen = "127.0.0.1", .deck_dir = ".", .timeout = 60};
+    const struct option table[] = {
+        {"port", 'p', OPTION_INTEGER, &c->port, "P", "port (default 4702); 0 picks a free one", 0,
+         SOCKET_PORT_MAX},
+        {"listen", 0, OPTION_TEXT, &c->listen, "ADDR", "address to listen on (default 127.0.0.1)", 0, 0},
+        {"deck-dir", 0, OPTION_TEXT, &c->deck_dir, "DIR", "where decks named by clients lie (default: here)",
+         0, 0},
+        {"once", 0, OPTION_FLAG, &c->once, NULL, "ends after one session, or when no client comes in time", 0,
+         0},
+        {"timeout", 0, OPTION_SECONDS, &c->timeout, "S",
+         "gives a silent client up after S seconds (default 60)", 0, 0},
+        {"quiet", 'q', OPTION_FLAG, &c->quiet, NULL, "keeps no log of sessions", 0, 0},
+        {"verbose", 'v', OPTION_FLAG, &c->verbose, NULL, "logs connections too", 0, 0},
+        {"help", 'h', OPTION_FLAG, &c->help, NULL, "prints this and stops", 0, 0},
+        {"version", 0, OPTION_FLAG, &c->version, NULL, "prints the version and stops", 0, 0},
+    };
+    struct option_list operands = {0};
+    enum dm2_status status = options_parse(table, sizeof table / sizeof table[0], argc, argv, &operands, err);
+    if (status == DM2_OK && c->help) {
+        (void)printf("usage: %s [options]\nWaits for dm2-clients and computes their subdomains, one client "
+                     "at a time.\n\n",
+                     PROGRAM);
+        options_print(stdout, table, sizeof table / sizeof table[0]);
+    } else if (status == DM2_OK && operands.n > 0) {
+        status = dm2_fail(err, DM2_USAGE, "'%s' is too much: a server takes options only", operands.items[0]);
+    }
+    option_list_free(&operands);
+    return status;
+}
+
+static void log_line(void *context, enum server_event event, const char *peer, const char *line)
+{
+    const struct server_command *c = context;
+    char stamp[32] = "";
+    time_t now = time(NULL);
+    struct tm utc;
+    if (c->quiet || (event == SERVER_CONNECTED && !c->verbose))
+        return;
+    if (gmtime_r(&now, &utc) != NULL)
+        (void)strftime(stamp, sizeof stamp, "%Y-%m-%dT%H:%M:%SZ", &utc);
+    (void)fprintf(stderr, "%s %s %s\n", stamp, peer, line);
+    (void)fflush(stderr);
+}
+
+/* Off this machine anybody could connect, and there is nothing yet by which to know a friend. */
+static enum dm2_status check_address(const char *address, struct dm2_error *err)
+{
+    int loopback = 0;
+    enum dm2_status status = socket_is_loopback(address, &loopback, err);
+    if (status != DM2_OK || loopback)
+        return status;
+    return dm2_fail(
+        err, DM2_USAGE,
+        "--listen %s: a server that can be reached from other machines would serve anybody; listen "
+        "on 127.0.0.1 and reach it through a tunnel: ssh -L PORT:127.0.0.1:PORT HOST",
+        address);
+}
+
+static enum dm2_status serve(struct server_command *c, int cancel, struct dm2_error *err)
+{
+    int listener = -1;
+    char bound[SOCKET_NAME];
+    enum dm2_status status = check_address(c->listen, err);
+    if (status == DM2_OK)
+        status = socket_listen(c->listen, (int)c->port, &listener, bound, err);
+    if (status != DM2_OK)
+        return status;
+    const struct server_options options = {.deck_dir = c->deck_dir,
+                                           .version = DM2_VERSION,
+                                           .handshake = 10,
+                                           .timeout = c->timeout,
+                                           .cancel = cancel};
+    (void)printf("%s: listening on %s\n", PROGRAM, bound);
+    (void)fflush(stdout);
+    status = server_serve(listener, &options, c->once, log_line, c, err);
+    socket_close(listener);
+    return status;
+}
+
+int main(int argc, char **argv)
+{
+    struct server_command c;
+    struct dm2_error err = {0};
+    enum dm2_status status = parse(&c, argc, argv, &err);
+    if (status == DM2_OK && c.help)
+        return 0;
+    if (status == DM2_OK && c.version) {
+        run_print_version(PROGRAM);
+        return 0;
+    }
+    if (status == DM2_OK)
+        status = serve(&c, signals_catch(), &err);
+    if (status == DM2_OK || (status == DM2_INTERRUPTED && signals_caught() != 0))
+        return 0; /* asked to end, and ended */
+    if (c.once && c.quiet && status != DM2_USAGE)
+        return dm2_exit_code(status); /* the client tells its user itself */
+    return run_report_failure(PROGRAM, &err);
+}

@@ -1,0 +1,159 @@
+/* Each child is `dm2-server --port 0 --once` with a pipe as its standard output. The first line on it says
+ * where the child listens; its end says that the child is gone, which makes waiting with a deadline possible
+ * without sleeping. Children are ended by their process ids, which stay theirs until they are waited for
+ * here. A client that dies without ending them leaves none behind: --once ends a server with its session, or
+ * when nobody comes. */
+#include "dm2/app/local_servers.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "dm2/base/mem.h"
+#include "dm2/net/socket.h"
+
+static const double START_SECONDS = 20.0; /* for a server to say where it listens */
+static const double STOP_SECONDS = 5.0;   /* for one that was asked to end */
+
+/* The path of dm2-server beside argv0, or its bare name for a search on PATH. malloc'd, NULL without memory.
+ */
+static char *server_path(const char *argv0)
+{
+    static const char name[] = "dm2-server";
+    const char *slash = strrchr(argv0, '/');
+    size_t directory = slash == NULL ? 0 : (size_t)(slash - argv0) + 1;
+    char *path = mem_alloc(directory + sizeof name, 1);
+    if (path == NULL)
+        return NULL;
+    memcpy(path, argv0, directory);
+    memcpy(path + directory, name, sizeof name);
+    if (directory > 0 && access(path, X_OK) != 0)
+        memcpy(path, name, sizeof name);
+    return path;
+}
+
+/* In the child: only async-signal-safe calls until exec. */
+static void become_server(char *path, int out, bool verbose)
+{
+    char port[] = "--port", zero[] = "0", once[] = "--once", quiet[] = "--quiet";
+    char *arguments[] = {path, port, zero, once, verbose ? NULL : quiet, NULL};
+    int null = open("/dev/null", O_RDONLY);
+    (void)setpgid(0, 0);
+    if (null >= 0 && dup2(null, STDIN_FILENO) >= 0 && dup2(out, STDOUT_FILENO) >= 0)
+        (void)execvp(path, arguments);
+    _exit(127);
+}
+
+static enum dm2_status spawn(char *path, bool verbose, struct local_server *server, struct dm2_error *err)
+{
+    int fd[2];
+    if (pipe(fd) != 0)
+        return dm2_fail(err, DM2_NET, "cannot start a server: %s", strerror(errno));
+    (void)fcntl(fd[0], F_SETFD, FD_CLOEXEC);
+    (void)fcntl(fd[1], F_SETFD, FD_CLOEXEC);
+    (void)fflush(NULL);
+    pid_t pid = fork();
+    if (pid == 0)
+        become_server(path, fd[1], verbose);
+    (void)close(fd[1]);
+    if (pid < 0) {
+        (void)close(fd[0]);
+        return dm2_fail(err, DM2_NET, "cannot start a server: %s", strerror(errno));
+    }
+    *server = (struct local_server){.pid = pid, .out = fd[0]};
+    return DM2_OK;
+}
+
+/* Reads the line "dm2-server: listening on ADDR:PORT". */
+static enum dm2_status read_port(const struct local_server *server, const char *path, int cancel,
+                                 struct endpoints *list, struct dm2_error *err)
+{
+    static const char expected[] = "dm2-server: listening on ";
+    char line[SOCKET_NAME + sizeof expected] = "";
+    size_t n = 0;
+    struct deadline until = deadline_in(START_SECONDS, cancel);
+    while (n + 1 < sizeof line && (n == 0 || line[n - 1] != '\n')) {
+        enum dm2_status status = socket_wait(server->out, POLLIN, until, err);
+        if (status == DM2_INTERRUPTED)
+            return status;
+        ssize_t got = status == DM2_OK ? read(server->out, line + n, 1) : 0;
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got <= 0)
+            break;
+        n++;
+    }
+    line[n > 0 ? n - 1 : 0] = '\0';
+    if (strncmp(line, expected, sizeof expected - 1) != 0)
+        return dm2_fail(
+            err, DM2_NET,
+            "the server program '%s' did not start: is it installed beside dm2-client or on PATH?", path);
+    return hosts_parse_server(line + sizeof expected - 1, list, err);
+}
+
+enum dm2_status local_servers_start(const char *argv0, int n, bool verbose, int cancel,
+                                    struct local_servers *out, struct endpoints *list, struct dm2_error *err)
+{
+    char *path = server_path(argv0);
+    enum dm2_status status = DM2_OK;
+    *out = (struct local_servers){.items = mem_zalloc((size_t)n, sizeof *out->items)};
+    if (path == NULL || out->items == NULL)
+        status = dm2_fail(err, DM2_MEMORY, "no memory for %d servers", n);
+    while (out->n < n && status == DM2_OK) {
+        status = spawn(path, verbose, &out->items[out->n], err);
+        out->n += status == DM2_OK;
+    }
+    for (int k = 0; k < n && status == DM2_OK; k++)
+        status = read_port(&out->items[k], path, cancel, list, err);
+    free(path);
+    if (status != DM2_OK)
+        local_servers_stop(out);
+    return status;
+}
+
+/* Waits for the end of its standard output, which nobody else holds. */
+static bool wait_for_end(const struct local_server *server)
+{
+    struct deadline until = deadline_in(STOP_SECONDS, -1);
+    char waste[256];
+    for (;;) {
+        if (socket_wait(server->out, POLLIN, until, NULL) != DM2_OK)
+            return false;
+        ssize_t got = read(server->out, waste, sizeof waste);
+        if (got == 0 || (got < 0 && errno != EINTR))
+            return true;
+    }
+}
+
+void local_servers_stop(struct local_servers *servers)
+{
+    for (int k = 0; k < servers->n; k++) {
+        (void)kill(servers->items[k].pid, SIGTERM);
+        (void)kill(servers->items[k].pid, SIGCONT); /* a stopped one would not notice */
+    }
+    for (int k = 0; k < servers->n; k++) {
+        if (!wait_for_end(&servers->items[k]))
+            (void)kill(servers->items[k].pid, SIGKILL);
+        while (waitpid(servers->items[k].pid, NULL, 0) < 0 && errno == EINTR)
+            continue;
+        (void)close(servers->items[k].out);
+    }
+    free(servers->items);
+    *servers = (struct local_servers){0};
+}
+
+int local_servers_cores(void)
+{
+#ifdef _SC_NPROCESSORS_ONLN
+    long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    return cores < 1 ? 1 : cores > 1024 ? 1024 : (int)cores;
+#else
+    return 1;
+#endif
+}

@@ -1,0 +1,244 @@
+/* The part of dm2-seq and dm2-client that a user sees the same in both. */
+#include "dm2/app/run.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "dm2/base/mem.h"
+#include "dm2/base/version.h"
+#include "dm2/sim/deck_digest.h"
+#include "dm2/sim/subdomain.h"
+
+void run_options_start(struct run_options *o, const char *program, struct option table[RUN_OPTIONS])
+{
+    *o = (struct run_options){.program = program, .steps = -1, .progress_text = "auto"};
+    const struct option options[RUN_OPTIONS] = {
+        {"output", 'o', OPTION_TEXT, &o->directory, "DIR", "run directory (default: the deck's name + .run)",
+         0, 0},
+        {"define", 'D', OPTION_LIST, &o->defines, "NAME=VALUE",
+         "overrides a `let` of the deck; may be repeated", 0, 0},
+        {"steps", 0, OPTION_INTEGER, &o->steps, "K", "number of time steps instead of the deck's", 0,
+         INT64_MAX},
+        {"overwrite", 0, OPTION_FLAG, &o->overwrite, NULL, "takes a run directory that is not empty", 0, 0},
+        {"check", 0, OPTION_FLAG, &o->check, NULL, "checks the deck, prints what would be run, and stops", 0,
+         0},
+        {"hash-every", 0, OPTION_INTEGER, &o->hash_every, "K", "prints a hash of the state every K steps", 1,
+         INT64_MAX},
+        {"progress", 0, OPTION_TEXT, &o->progress_text, "WHEN",
+         "live line: auto (on a terminal), always or never", 0, 0},
+        {"quiet", 'q', OPTION_FLAG, &o->quiet, NULL, "prints nothing but errors", 0, 0},
+        {"verbose", 'v', OPTION_FLAG, &o->verbose, NULL, "prints more", 0, 0},
+        {"help", 'h', OPTION_FLAG, &o->help, NULL, "prints this and stops", 0, 0},
+        {"version", 0, OPTION_FLAG, &o->version, NULL, "prints the version and stops", 0, 0},
+    };
+    memcpy(table, options, sizeof options);
+}
+
+enum dm2_status run_options_finish(struct run_options *o, struct dm2_error *err)
+{
+    static const char *const modes[] = {"auto", "always", "never"};
+    if (o->help || o->version)
+        return DM2_OK;
+    size_t mode = 0;
+    while (mode < 3 && strcmp(o->progress_text, modes[mode]) != 0)
+        mode++;
+    if (mode == 3)
+        return dm2_fail(err, DM2_USAGE, "--progress '%s': auto, always or never is expected",
+                        o->progress_text);
+    o->progress = o->quiet ? PROGRESS_NEVER : (enum progress_mode)mode;
+    if (o->operands.n == 0)
+        return dm2_fail(err, DM2_USAGE, "no deck is named");
+    if (o->operands.n > 1)
+        return dm2_fail(err, DM2_USAGE, "one deck is expected, and then '%s' is too much",
+                        o->operands.items[1]);
+    o->deck = o->operands.items[0];
+    return DM2_OK;
+}
+
+void run_options_free(struct run_options *o)
+{
+    option_list_free(&o->operands);
+    option_list_free(&o->defines);
+}
+
+static char *copy_text(const char *text)
+{
+    size_t n = strlen(text) + 1;
+    char *copy = mem_alloc(n, 1);
+    if (copy != NULL)
+        memcpy(copy, text, n);
+    return copy;
+}
+
+/* The command line's changes become part of the source. */
+static enum dm2_status add_changes(const struct run_options *o, struct deck_source *source,
+                                   struct dm2_error *err)
+{
+    source->steps = o->steps;
+    if (o->defines.n == 0)
+        return DM2_OK;
+    source->defines = mem_zalloc(o->defines.n, sizeof *source->defines);
+    for (size_t k = 0; k < o->defines.n && source->defines != NULL; k++) {
+        source->defines[k] = copy_text(o->defines.items[k]);
+        if (source->defines[k] == NULL)
+            break;
+        source->n_defines++;
+    }
+    if (source->n_defines < o->defines.n)
+        return dm2_fail(err, DM2_MEMORY, "no memory for the command line's definitions");
+    return DM2_OK;
+}
+
+enum dm2_status run_load(const struct run_options *o, struct run *run, struct dm2_error *err)
+{
+    struct deck_report report = {0};
+    *run = (struct run){0};
+    enum dm2_status status = deck_source_read(o->deck, &run->source, err);
+    if (status != DM2_OK)
+        return status == DM2_IO ? dm2_fail(err, DM2_DECK, "%.580s", err->text) : status;
+    status = add_changes(o, &run->source, err);
+    if (status == DM2_OK) {
+        deck_digest(&run->source, run->digest);
+        status = deck_load(&run->source, &run->config, &report);
+        run->loaded = status == DM2_OK;
+        if (report.text != NULL && (status != DM2_OK || !o->quiet))
+            (void)fputs(report.text, stderr);
+        if (status != DM2_OK)
+            status = dm2_fail(err, status, "%s: %d error%s", o->deck, report.n_errors,
+                              report.n_errors == 1 ? "" : "s");
+        deck_report_free(&report);
+    }
+    if (status == DM2_OK)
+        status = model_build(&run->config, &run->model, err);
+    if (status != DM2_OK)
+        run_free(run);
+    return status;
+}
+
+void run_free(struct run *run)
+{
+    model_free(run->model);
+    if (run->loaded)
+        config_free(&run->config);
+    deck_source_free(&run->source);
+    *run = (struct run){0};
+}
+
+enum dm2_status run_open_results(const struct run_options *o, const struct run *run, struct results **out,
+                                 struct dm2_error *err)
+{
+    char *own = o->directory == NULL ? results_default_directory(o->deck) : NULL;
+    const char *directory = o->directory == NULL ? own : o->directory;
+    if (directory == NULL)
+        return dm2_fail(err, DM2_MEMORY, "no memory for the run directory's name");
+    enum dm2_status status =
+        results_open(directory, o->overwrite, &run->config, model_scales(run->model), run->digest, out, err);
+    free(own);
+    return status;
+}
+
+/* Generates one rank's subdomain and tells its size. */
+static enum dm2_status measure_rank(const struct run *run, const struct decomposition *d, int rank,
+                                    size_t *owned, size_t *mirrored, size_t *bytes, struct dm2_error *err)
+{
+    const struct domain_map map = {.grid = &d->grid, .ranks = d->ranks, .owner = d->owner};
+    struct subdomain *sd = NULL;
+    enum dm2_status status = subdomain_create(run->model, &map, rank, &sd, err);
+    if (status != DM2_OK)
+        return status;
+    *owned = subdomain_owned(sd);
+    *mirrored = subdomain_mirrored(sd);
+    *bytes = subdomain_bytes(sd);
+    subdomain_free(sd);
+    return DM2_OK;
+}
+
+static void print_rank(FILE *to, const struct decomposition *d, int rank, const char *name, size_t owned,
+                       size_t mirrored, const struct rank_boundary *b)
+{
+    static const char *const sides[] = {"w", "e", "s", "n", "sw", "se", "nw", "ne"};
+    const struct cell_rect *r = &d->rect[rank];
+    int interfaces[SIDE_COUNT];
+    decomposition_interfaces(d, rank, interfaces);
+    (void)fprintf(to,
+                  "server %d%s%s: particles %zu, mirrored %zu, cells %zu = %d x %d from (%d, %d), interface "
+                  "%zu cells = %.6g cm, "
+                  "boundary cells %zu inner %zu outer, meets others at",
+                  rank, name == NULL ? "" : " ", name == NULL ? "" : name, owned, mirrored,
+                  decomposition_cells(d, rank), r->x1 - r->x0, r->y1 - r->y0, r->x0, r->y0,
+                  b->interface_cells, b->interface_cm, b->inner, b->outer);
+    bool none = true;
+    for (int side = 0; side < SIDE_COUNT; side++)
+        if (interfaces[side] > 0) {
+            (void)fprintf(to, " %s", sides[side]);
+            none = false;
+        }
+    (void)fprintf(to, "%s\n", none ? " no side" : "");
+}
+
+static void print_run(FILE *to, const struct run_options *o, const struct run *run)
+{
+    const struct grid *g = model_grid(run->model);
+    const char *which = "";
+    double stable = model_stable_dt(run->model, &which);
+    (void)fprintf(to, "deck %s\n", o->deck);
+    (void)fprintf(to, "particles %zu\n", model_elements(run->model));
+    (void)fprintf(to, "cells %d = %d x %d\n", g->cx * g->cy, g->cx, g->cy);
+    (void)fprintf(to, "cell edges %.6g x %.6g cm, r_c + delta_r = %.6g cm\n", g->lx, g->ly,
+                  run->config.r_c + run->config.delta_r);
+    (void)fprintf(to, "steps %lld of %.6g us\n", (long long)run->config.steps, run->config.dt);
+    (void)fprintf(to, "stable time step %.6g us (%s), chosen %.6g us = %.3g of it\n", stable, which,
+                  run->config.dt, run->config.dt / stable);
+}
+
+enum dm2_status run_print_check(FILE *to, const struct run_options *o, const struct run *run,
+                                const struct decomposition *d, const char *const *server_names,
+                                struct dm2_error *err)
+{
+    size_t total = 0, most = 0, edges = 0;
+    double length = 0;
+    print_run(to, o, run);
+    for (int rank = 0; rank < d->ranks; rank++) {
+        size_t owned = 0, mirrored = 0, bytes = 0;
+        struct rank_boundary b = {0};
+        enum dm2_status status = measure_rank(run, d, rank, &owned, &mirrored, &bytes, err);
+        if (status == DM2_OK)
+            status = decomposition_boundary(d, rank, &b, err);
+        if (status != DM2_OK)
+            return status;
+        print_rank(to, d, rank, server_names == NULL ? NULL : server_names[rank], owned, mirrored, &b);
+        total += bytes;
+        most = bytes > most ? bytes : most;
+        edges += b.interface_cells;
+        length += b.interface_cm;
+    }
+    (void)fprintf(to, "interfaces %zu cells = %.6g cm in all\n", edges / 2,
+                  length / 2); /* seen from both ends */
+    (void)fprintf(to, "memory %.1f MB in all, %.1f MB at most on one server\n", 1e-6 * (double)total,
+                  1e-6 * (double)most);
+    return DM2_OK;
+}
+
+void run_print_hash(int64_t step, uint64_t hash)
+{
+    (void)printf("step %lld hash %016llx\n", (long long)step, (unsigned long long)hash);
+    (void)fflush(stdout);
+}
+
+bool run_hash_due(const struct run_options *o, const struct run *run, int64_t step)
+{
+    return o->hash_every > 0 && (step % o->hash_every == 0 || step == run->config.steps);
+}
+
+int run_report_failure(const char *program, const struct dm2_error *err)
+{
+    (void)fprintf(stderr, "%s: %s\n", program, err->text);
+    if (err->status == DM2_USAGE)
+        (void)fprintf(stderr, "%s --help tells how it is called\n", program);
+    return dm2_exit_code(err->status);
+}
+
+void run_print_version(const char *program)
+{
+    (void)printf("%s %s\n", program, DM2_VERSION);
+}

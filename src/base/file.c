@@ -1,0 +1,246 @@
+/* Whole files, atomically.
+ *
+ * A file is written as path.part with a buffer of our own and write(2): stdio would hide which call failed
+ * and with what errno. The order of the end is what makes the final name mean "whole": flush, fsync, close,
+ * rename, fsync of the directory. The first error sticks in the struct, so that encoders write on without
+ * checks and the one check at the end still names the first cause. */
+#include "dm2/base/file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "dm2/base/text.h"
+
+enum { BUFFER_BYTES = 1 << 16 };
+
+static void clear(struct file_out *f)
+{
+    free(f->path);
+    free(f->part);
+    free(f->buffer);
+    memset(f, 0, sizeof *f);
+    f->fd = -1;
+}
+
+static enum dm2_status fail_at(const struct file_out *f, const char *what, int error, struct dm2_error *err)
+{
+    return dm2_fail(err, DM2_IO, "%s: cannot %s: %s", f->path, what, strerror(error));
+}
+
+enum dm2_status file_create(struct file_out *f, const char *path, struct dm2_error *err)
+{
+    memset(f, 0, sizeof *f);
+    f->fd = -1;
+    f->path = text_join(path, "", "");
+    f->part = text_join(path, ".part", "");
+    f->buffer = malloc(BUFFER_BYTES);
+    if (f->path == NULL || f->part == NULL || f->buffer == NULL) {
+        clear(f);
+        return dm2_fail(err, DM2_MEMORY, "%s: no memory for the file's buffer", path);
+    }
+    if (unlink(f->part) != 0 && errno != ENOENT) {
+        enum dm2_status status = fail_at(f, "replace its .part file", errno, err);
+        clear(f);
+        return status;
+    }
+    /* O_EXCL: never through a link that someone put there. */
+    f->fd = open(f->part, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (f->fd < 0) {
+        enum dm2_status status = fail_at(f, "create", errno, err);
+        clear(f);
+        return status;
+    }
+    return DM2_OK;
+}
+
+static void write_through(struct file_out *f, const unsigned char *bytes, size_t n)
+{
+    while (n > 0 && f->error == 0) {
+        ssize_t wrote = write(f->fd, bytes, n);
+        if (wrote < 0) {
+            f->error = errno == EINTR ? 0 : errno;
+        } else {
+            bytes += wrote;
+            n -= (size_t)wrote;
+        }
+    }
+}
+
+static void empty_buffer(struct file_out *f)
+{
+    write_through(f, f->buffer, f->used);
+    f->used = 0;
+}
+
+void file_write(struct file_out *f, const void *bytes, size_t n)
+{
+    if (n > BUFFER_BYTES - f->used)
+        empty_buffer(f);
+    if (n >= BUFFER_BYTES) {
+        write_through(f, bytes, n);
+        return;
+    }
+    memcpy(f->buffer + f->used, bytes, n);
+    f->used += n;
+}
+
+void file_puts(struct file_out *f, const char *text)
+{
+    file_write(f, text, strlen(text));
+}
+
+void file_printf(struct file_out *f, const char *format, ...)
+{
+    char text[1024];
+    va_list args;
+    va_start(args, format);
+    int length = vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    if (length < 0 || (size_t)length >= sizeof text)
+        f->error = f->error == 0 ? EOVERFLOW : f->error;
+    else
+        file_write(f, text, (size_t)length);
+}
+
+unsigned char *file_reserve(struct file_out *f, size_t n)
+{
+    if (n > BUFFER_BYTES - f->used)
+        empty_buffer(f);
+    return f->buffer + f->used;
+}
+
+void file_filled(struct file_out *f, size_t n)
+{
+    f->used += n;
+}
+
+enum dm2_status file_flush(struct file_out *f, struct dm2_error *err)
+{
+    empty_buffer(f);
+    return f->error == 0 ? DM2_OK : fail_at(f, "write", f->error, err);
+}
+
+/* Makes the rename itself durable. Some file systems cannot fsync a directory and say EINVAL. */
+static int sync_directory_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    size_t length = slash == NULL ? 1 : slash == path ? 1 : (size_t)(slash - path);
+    char *directory = malloc(length + 1);
+    if (directory == NULL)
+        return ENOMEM;
+    memcpy(directory, slash == NULL ? "." : path, length);
+    directory[length] = '\0';
+    int fd = open(directory, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    free(directory);
+    if (fd < 0)
+        return errno == EACCES ? 0 : errno; /* writable but not readable: nothing to sync through */
+    int error = fsync(fd) != 0 && errno != EINVAL ? errno : 0;
+    close(fd);
+    return error;
+}
+
+enum dm2_status file_commit(struct file_out *f, struct dm2_error *err)
+{
+    enum dm2_status status = file_flush(f, err);
+    if (status != DM2_OK) {
+        file_abandon(f);
+        return status;
+    }
+    if (fsync(f->fd) != 0) {
+        status = fail_at(f, "bring to disk", errno, err);
+        file_abandon(f);
+        return status;
+    }
+    int closed = close(f->fd);
+    f->fd = -1;
+    if (closed != 0) {
+        status = fail_at(f, "close", errno, err);
+        file_abandon(f);
+        return status;
+    }
+    if (rename(f->part, f->path) != 0) {
+        status = fail_at(f, "rename its .part file", errno, err);
+        file_abandon(f);
+        return status;
+    }
+    int error = sync_directory_of(f->path);
+    if (error != 0)
+        status = fail_at(f, "bring its directory to disk", error, err);
+    clear(f);
+    return status;
+}
+
+void file_abandon(struct file_out *f)
+{
+    if (f->path == NULL)
+        return;
+    if (f->fd >= 0)
+        close(f->fd);
+    unlink(f->part);
+    clear(f);
+}
+
+enum dm2_status file_replace(const char *path, const void *bytes, size_t n, struct dm2_error *err)
+{
+    struct file_out f;
+    enum dm2_status status = file_create(&f, path, err);
+    if (status != DM2_OK)
+        return status;
+    file_write(&f, bytes, n);
+    return file_commit(&f, err);
+}
+
+static enum dm2_status read_open(int fd, const char *path, size_t limit, unsigned char **bytes, size_t *n,
+                                 struct dm2_error *err)
+{
+    struct stat info;
+    if (fstat(fd, &info) != 0)
+        return dm2_fail(err, DM2_IO, "%s: cannot read: %s", path, strerror(errno));
+    if (!S_ISREG(info.st_mode))
+        return dm2_fail(err, DM2_IO, "%s: is not a regular file", path);
+    if (info.st_size < 0 || (uintmax_t)info.st_size > limit)
+        return dm2_fail(err, DM2_IO, "%s: has %jd bytes, more than the %zu that this program reads", path,
+                        (intmax_t)info.st_size, limit);
+    size_t size = (size_t)info.st_size;
+    unsigned char *block = size < SIZE_MAX ? malloc(size + 1) : NULL;
+    if (block == NULL)
+        return dm2_fail(err, DM2_MEMORY, "%s: no memory for its %zu bytes", path, size);
+    size_t have = 0;
+    while (have < size) {
+        ssize_t got = read(fd, block + have, size - have);
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got < 0) {
+            int error = errno;
+            free(block);
+            return dm2_fail(err, DM2_IO, "%s: cannot read: %s", path, strerror(error));
+        }
+        if (got == 0)
+            break; /* it shrank meanwhile: whoever decodes it sees that it ends early */
+        have += (size_t)got;
+    }
+    block[have] = '\0';
+    *bytes = block;
+    *n = have;
+    return DM2_OK;
+}
+
+enum dm2_status file_read(const char *path, size_t limit, unsigned char **bytes, size_t *n,
+                          struct dm2_error *err)
+{
+    *bytes = NULL;
+    *n = 0;
+    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (fd < 0)
+        return dm2_fail(err, DM2_IO, "%s: cannot open: %s", path, strerror(errno));
+    enum dm2_status status = read_open(fd, path, limit, bytes, n, err);
+    close(fd);
+    return status;
+}

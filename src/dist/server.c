@@ -1,0 +1,593 @@
+/* One session, from HELLO to DONE.
+ *
+ * The order of messages is the flow of the paper's Fig. 7 and of docs/protocol.md; each function below is one
+ * stage of it and either goes on or fails, and whatever fails ends up in server_session, which tells the
+ * client and frees everything. Nothing survives a session: the next client meets a server as fresh as the
+ * first did.
+ *
+ * A step: forces, move, pack, one STEP message out, one NEXT message in, take. What the client asked for with
+ * its last NEXT decides whether the segments are updates or the parcels of a rebuild; with `redo` it asks for
+ * the latter after all, and the same step is sent again. */
+#include "dm2/dist/server.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "dm2/base/clock.h"
+#include "dm2/base/fingerprint.h"
+#include "dm2/base/mem.h"
+#include "dm2/dist/exchange.h"
+#include "dm2/dist/messages.h"
+#include "dm2/sim/deck_digest.h"
+#include "dm2/sim/results.h"
+#include "dm2/sim/state_hash.h"
+#include "dm2/sim/subdomain.h"
+
+static const double HANG_UP_SECONDS = 2.0; /* for a peer to read our last message */
+
+struct session {
+    const struct server_options *options;
+    struct session_summary *summary;
+    struct channel channel;
+    struct bytes_writer out;
+    struct deck_message deck;
+    struct config config;
+    bool loaded; /* config is to be freed */
+    struct model *model;
+    struct assign_message assign;
+    struct decomposition decomposition;
+    struct domain_map map;
+    struct subdomain *sd;
+    struct exchange exchange;
+    double timeout;
+    double heard; /* when the last message had come: work since then is `busy` */
+    struct server_times times;
+};
+
+static struct deadline patience(const struct session *s)
+{
+    return deadline_in(s->timeout, s->options->cancel);
+}
+
+/* Sends what s->out holds. */
+static enum dm2_status send_out(struct session *s, enum message_type type, struct dm2_error *err)
+{
+    if (s->out.failed)
+        return dm2_fail(err, DM2_MEMORY, "no memory for a message");
+    return channel_send(&s->channel, (uint8_t)type, 0, s->out.data, s->out.length, patience(s), err);
+}
+
+/* Waits for a message of this type. */
+static enum dm2_status expect(struct session *s, enum message_type type, uint32_t limit,
+                              struct deadline until, struct bytes_reader *out, struct dm2_error *err)
+{
+    struct frame f;
+    enum dm2_status status = channel_receive(&s->channel, limit, until, &f, err);
+    if (status != DM2_OK)
+        return status;
+    *out = bytes_reader_of(f.payload, f.length);
+    if (f.type == type)
+        return DM2_OK;
+    char name[2][16];
+    if (f.type == MESSAGE_ERROR) {
+        struct error_message m;
+        message_get_error(out, &m);
+        return dm2_fail(err, DM2_NET, "the client ended the session: %s", m.text);
+    }
+    return dm2_fail(err, DM2_PROTOCOL, "the client sent %s where %s is due", message_name(f.type, name[0]),
+                    message_name((uint8_t)type, name[1]));
+}
+
+static enum dm2_status not_decoded(const char *what, struct dm2_error *err)
+{
+    return dm2_fail(err, DM2_PROTOCOL, "the client's %s message does not decode", what);
+}
+
+/* --- before the steps -------------------------------------------------------------------------------------
+ */
+
+static enum dm2_status shake_hands(struct session *s, struct dm2_error *err)
+{
+    struct bytes_reader r;
+    struct hello_message hello, own = {.fingerprint = fingerprint_compute()};
+    enum dm2_status status = expect(s, MESSAGE_HELLO, LIMIT_HELLO,
+                                    deadline_in(s->options->handshake, s->options->cancel), &r, err);
+    if (status != DM2_OK)
+        return status;
+    message_get_hello(&r, &hello);
+    if (r.failed)
+        return not_decoded("HELLO", err);
+    (void)snprintf(own.version, sizeof own.version, "%s", s->options->version);
+    if (hello.fingerprint != own.fingerprint)
+        return dm2_fail(
+            err, DM2_PROTOCOL,
+            "the arithmetic differs: fingerprint %016llx on the client (dm2 %s), %016llx on the server (dm2 "
+            "%s): build both with the Makefile's flags for IEEE 754 doubles",
+            (unsigned long long)hello.fingerprint, hello.version, (unsigned long long)own.fingerprint,
+            own.version);
+    bytes_clear(&s->out);
+    message_put_hello(&s->out, &own);
+    return send_out(s, MESSAGE_WELCOME, err);
+}
+
+/* A path's last component is "..", or one before it is. */
+static bool climbs(const char *name)
+{
+    for (const char *p = name; p != NULL; p = strchr(p, '/')) {
+        p += *p == '/';
+        if (p[0] == '.' && p[1] == '.' && (p[2] == '/' || p[2] == '\0'))
+            return true;
+    }
+    return false;
+}
+
+char *server_deck_path(const char *directory, const char *name)
+{
+    size_t root = strlen(directory) + 1, size = root + strlen(name) + 1;
+    char *path = name[0] == '\0' || name[0] == '/' || climbs(name) ? NULL : mem_alloc(size, 1);
+    if (path == NULL)
+        return NULL;
+    (void)snprintf(path, size, "%s/%s", directory, name);
+    bool found = true;
+    struct stat info;
+    for (char *end = path + root; end != NULL && found;) { /* from one component of the name to the next */
+        end = strchr(end, '/');
+        if (end != NULL)
+            *end = '\0';
+        found = lstat(path, &info) == 0 && !S_ISLNK(info.st_mode);
+        if (end != NULL)
+            *end++ = '/';
+    }
+    if (found && S_ISREG(info.st_mode))
+        return path;
+    free(path);
+    return NULL;
+}
+
+/* Puts the texts of the server's own copy into the message, if there is one. */
+static bool read_own_copy(struct session *s)
+{
+    char *path = server_deck_path(s->options->deck_dir, s->deck.name);
+    struct deck_source own;
+    struct dm2_error ignored;
+    bool found = path != NULL && deck_source_read(path, &own, &ignored) == DM2_OK;
+    free(path);
+    if (!found)
+        return false;
+    struct deck_text *none = s->deck.source.texts; /* an empty array */
+    s->deck.source.texts = own.texts;
+    s->deck.source.n_texts = own.n_texts;
+    own.texts = none;
+    own.n_texts = 0;
+    deck_source_free(&own);
+    return true;
+}
+
+static enum dm2_status check_digest(const struct session *s, bool own_copy, struct dm2_error *err)
+{
+    unsigned char digest[SHA256_BYTES];
+    char here[SHA256_TEXT], there[SHA256_TEXT];
+    deck_digest(&s->deck.source, digest);
+    if (memcmp(digest, s->deck.digest, SHA256_BYTES) == 0)
+        return DM2_OK;
+    sha256_text(digest, here);
+    sha256_text(s->deck.digest, there);
+    return dm2_fail(err, DM2_PROTOCOL,
+                    "the deck '%.100s' differs: digest %s on the client, %s on the server%s", s->deck.name,
+                    there, here, own_copy ? ": bring the copies together, or use --send-deck" : "");
+}
+
+static enum dm2_status answer_deck(struct session *s, uint8_t loaded, struct dm2_error *err)
+{
+    bytes_clear(&s->out);
+    bytes_put_u8(&s->out, loaded);
+    return send_out(s, MESSAGE_ANSWER, err);
+}
+
+static enum dm2_status load_deck(struct session *s, struct dm2_error *err)
+{
+    struct deck_report report = {0};
+    enum dm2_status status = deck_load(&s->deck.source, &s->config, &report);
+    s->loaded = status == DM2_OK;
+    if (status != DM2_OK)
+        status = dm2_fail(err, status, "the deck does not load: %s",
+                          report.text == NULL ? "no memory" : report.text);
+    deck_report_free(&report);
+    return status == DM2_OK ? model_build(&s->config, &s->model, err) : status;
+}
+
+static enum dm2_status get_deck(struct session *s, struct dm2_error *err)
+{
+    for (int attempt = 0;; attempt++) {
+        struct bytes_reader r;
+        enum dm2_status status = expect(s, MESSAGE_DECK, LIMIT_DECK, patience(s), &r, err);
+        if (status != DM2_OK)
+            return status;
+        message_free_deck(&s->deck);
+        message_get_deck(&r, &s->deck);
+        if (r.failed || (attempt > 0 && !s->deck.with_texts))
+            return not_decoded("DECK", err);
+        (void)snprintf(s->summary->deck, sizeof s->summary->deck, "%s", s->deck.name);
+        bool own_copy = !s->deck.with_texts && read_own_copy(s);
+        if (s->deck.with_texts || own_copy) {
+            status = check_digest(s, own_copy, err);
+            if (status == DM2_OK)
+                status = load_deck(s, err);
+            return status == DM2_OK ? answer_deck(s, 1, err) : status;
+        }
+        status = answer_deck(s, 0, err);
+        if (status != DM2_OK)
+            return status;
+    }
+}
+
+/* The client's view of the domain must be the server's. */
+static enum dm2_status check_assignment(struct session *s, struct dm2_error *err)
+{
+    const struct assign_message *a = &s->assign;
+    const struct grid *g = model_grid(s->model);
+    if (a->cx != g->cx || a->cy != g->cy || a->elements != model_elements(s->model))
+        return dm2_fail(err, DM2_PROTOCOL,
+                        "the client has %d x %d cells and %llu elements, the server %d x %d and %zu: "
+                        "install the same dm2 on both machines",
+                        a->cx, a->cy, (unsigned long long)a->elements, g->cx, g->cy,
+                        model_elements(s->model));
+    enum dm2_status status = decomposition_from_rects(g, a->ranks, a->rects, &s->decomposition, err);
+    if (status != DM2_OK)
+        return status;
+    int interfaces[SIDE_COUNT];
+    decomposition_interfaces(&s->decomposition, a->rank, interfaces);
+    if (memcmp(interfaces, a->interfaces, sizeof interfaces) != 0)
+        return dm2_fail(err, DM2_PROTOCOL,
+                        "the client's interface array of rank %d is not that of its rectangles", a->rank);
+    return DM2_OK;
+}
+
+static enum dm2_status get_assignment(struct session *s, struct dm2_error *err)
+{
+    struct bytes_reader r;
+    enum dm2_status status = expect(s, MESSAGE_ASSIGN, LIMIT_ASSIGN, patience(s), &r, err);
+    if (status != DM2_OK)
+        return status;
+    message_get_assign(&r, &s->assign);
+    if (r.failed)
+        return not_decoded("ASSIGN", err);
+    s->summary->rank = s->assign.rank;
+    s->summary->ranks = s->assign.ranks;
+    s->timeout = fmax(s->timeout, 2 * s->assign.timeout);
+    status = check_assignment(s, err);
+    if (status != DM2_OK)
+        return status;
+    s->map = (struct domain_map){
+        .grid = model_grid(s->model), .ranks = s->assign.ranks, .owner = s->decomposition.owner};
+    status = subdomain_create(s->model, &s->map, s->assign.rank, &s->sd, err);
+    if (status != DM2_OK)
+        return status;
+    return exchange_open(&s->exchange, s->model, s->assign.rank, s->assign.ranks, err);
+}
+
+static enum dm2_status send_ready(struct session *s, struct dm2_error *err)
+{
+    struct ready_message m = {.owned = subdomain_owned(s->sd),
+                              .mirrored = subdomain_mirrored(s->sd),
+                              .bytes = subdomain_bytes(s->sd)};
+    enum dm2_status status = s->assign.hash_every > 0 ? state_hash_subdomain(s->sd, &m.hash, err) : DM2_OK;
+    if (status != DM2_OK)
+        return status;
+    bytes_clear(&s->out);
+    message_put_ready(&s->out, &m);
+    struct subdomain_times set_up;
+    subdomain_take_times(s->sd, &set_up); /* not part of the steps */
+    return send_out(s, MESSAGE_READY, err);
+}
+
+/* --- states -----------------------------------------------------------------------------------------------
+ */
+
+/* The state in parts of at most LIMIT_STATE bytes: elements first, then pairs; the last part says so. */
+static enum dm2_status send_state_parts(struct session *s, struct state_message head,
+                                        const struct element *elements,
+                                        const struct element_measure *measured,
+                                        const struct pair_record *pairs, struct dm2_error *err)
+{
+    size_t each = WIRE_ELEMENT + (measured != NULL ? WIRE_MEASURED : 0), most = LIMIT_STATE - 64;
+    size_t n_elements = head.n_elements, n_pairs = head.n_pairs, e = 0, p = 0;
+    do {
+        head.n_elements = n_elements - e < most / each ? n_elements - e : most / each;
+        size_t room = (most - head.n_elements * each) / WIRE_PAIR;
+        head.n_pairs = n_pairs - p < room ? n_pairs - p : room;
+        head.last = e + head.n_elements == n_elements && p + head.n_pairs == n_pairs;
+        bytes_clear(&s->out);
+        message_put_state(&s->out, &head);
+        for (size_t k = 0; k < head.n_elements; k++)
+            wire_put_element(&s->out, &elements[e + k]);
+        for (size_t k = 0; k < head.n_elements && measured != NULL; k++)
+            wire_put_measured(&s->out, &measured[e + k]);
+        for (size_t k = 0; k < head.n_pairs; k++)
+            wire_put_pair(&s->out, &pairs[p + k]);
+        e += head.n_elements;
+        p += head.n_pairs;
+        enum dm2_status status = send_out(s, MESSAGE_STATE, err);
+        if (status != DM2_OK)
+            return status;
+    } while (!head.last);
+    return DM2_OK;
+}
+
+static enum dm2_status send_state(struct session *s, enum state_purpose purpose, struct dm2_error *err)
+{
+    double start = clock_now();
+    size_t n = subdomain_owned(s->sd);
+    struct state_message head = {.step = subdomain_step(s->sd), .purpose = purpose, .n_elements = n};
+    struct element *elements = mem_alloc(n, sizeof *elements);
+    struct element_measure *measured = purpose == STATE_SNAPSHOT ? mem_alloc(n, sizeof *measured) : NULL;
+    struct pair_record *pairs = NULL;
+    enum dm2_status status = DM2_OK;
+    if (elements == NULL || (purpose == STATE_SNAPSHOT && measured == NULL))
+        status = dm2_fail(err, DM2_MEMORY, "no memory to send a state of %zu elements", n);
+    if (status == DM2_OK)
+        status = subdomain_collect(s->sd, elements, measured, err);
+    if (status == DM2_OK)
+        status = subdomain_collect_pairs(s->sd, &pairs, &head.n_pairs, err);
+    if (status == DM2_OK)
+        status = send_state_parts(s, head, elements, measured, pairs, err);
+    free(elements);
+    free(measured);
+    free(pairs);
+    s->times.output += clock_now() - start;
+    return status;
+}
+
+/* --- steps ------------------------------------------------------------------------------------------------
+ */
+
+/* Adds up the engine's own times; returns the seconds of rebuilds among them. */
+static double tally(struct session *s)
+{
+    struct subdomain_times t;
+    subdomain_take_times(s->sd, &t);
+    s->times.forces += t.forces;
+    s->times.integrate += t.integrate;
+    s->times.rebuild += t.rebuild;
+    s->times.rebuilds += t.rebuilds;
+    return t.rebuild;
+}
+
+/* Packs and sends one STEP message. The head holds counts that packing finds out: it is written again at the
+ * end. */
+static enum dm2_status send_step(struct session *s, struct step_message *m, struct dm2_error *err)
+{
+    enum dm2_status status;
+    double start = clock_now();
+    (void)tally(s);
+    bytes_clear(&s->out);
+    message_put_step(&s->out, m);
+    size_t head = s->out.length;
+    m->owned = subdomain_owned(s->sd);
+    m->migrants = 0;
+    if (m->rebuild)
+        status = exchange_pack_rebuild(&s->exchange, s->sd, &s->out, &m->n_segments, &m->migrants, err);
+    else
+        status = exchange_pack_update(&s->exchange, s->sd, &s->out, &m->n_segments, err);
+    if (status != DM2_OK)
+        return status;
+    double rebuild = tally(s), now = clock_now();
+    m->busy = now - s->heard;
+    s->times.pack += now - start - rebuild;
+    s->times.migrants += m->migrants;
+    size_t length = s->out.length;
+    s->out.length = 0;
+    message_put_step(&s->out, m);
+    if (s->out.length != head)
+        return dm2_fail(err, DM2_PROTOCOL, "the head of a step message changed its length");
+    s->out.length = length;
+    return send_out(s, MESSAGE_STEP, err);
+}
+
+static enum dm2_status get_next(struct session *s, int64_t step, struct next_message *next,
+                                struct bytes_reader *r, struct dm2_error *err)
+{
+    double start = clock_now();
+    enum dm2_status status = expect(s, MESSAGE_NEXT, LIMIT_STEP, patience(s), r, err);
+    s->heard = clock_now();
+    s->times.wait += s->heard - start;
+    if (status != DM2_OK)
+        return status;
+    message_get_next(r, next);
+    if (r->failed)
+        return not_decoded("NEXT", err);
+    if (next->step != step)
+        return dm2_fail(err, DM2_PROTOCOL, "the client sent NEXT for step %lld where %lld is due",
+                        (long long)next->step, (long long)step);
+    return DM2_OK;
+}
+
+/* The exchange after a step; *rebuild says how, and gets how the next one will be. */
+static enum dm2_status exchange_step(struct session *s, struct step_message *m, bool *rebuild,
+                                     struct dm2_error *err)
+{
+    struct next_message next;
+    struct bytes_reader r;
+    m->rebuild = *rebuild;
+    enum dm2_status status = send_step(s, m, err);
+    if (status == DM2_OK)
+        status = get_next(s, m->step, &next, &r, err);
+    if (status == DM2_OK && next.redo) {
+        if (m->rebuild)
+            return dm2_fail(err, DM2_PROTOCOL, "the client asks for a rebuild of step %lld, which was one",
+                            (long long)m->step);
+        m->rebuild = true;
+        m->measured = m->hashed = false;
+        status = send_step(s, m, err);
+        if (status == DM2_OK)
+            status = get_next(s, m->step, &next, &r, err);
+        if (status == DM2_OK && next.redo)
+            return dm2_fail(err, DM2_PROTOCOL, "the client asks twice for a rebuild of step %lld",
+                            (long long)m->step);
+    }
+    if (status != DM2_OK)
+        return status;
+    double start = clock_now();
+    if (m->rebuild)
+        status = exchange_take_rebuild(&s->exchange, s->sd, &r, next.n_segments, err);
+    else
+        status = exchange_take_update(&s->exchange, s->sd, &r, next.n_segments, err);
+    s->times.unpack += clock_now() - start - tally(s);
+    *rebuild = next.rebuild_next;
+    return status;
+}
+
+static enum dm2_status step(struct session *s, int64_t n, bool *rebuild, struct dm2_error *err)
+{
+    bool snapshot = results_snapshot_due(&s->config, n),
+         measure = snapshot || results_history_due(&s->config, n);
+    struct step_message m = {.step = n + 1, .measured = measure};
+    int64_t every = s->assign.hash_every;
+    enum dm2_status status = subdomain_forces(s->sd, measure, err);
+    if (status == DM2_OK && snapshot)
+        status = send_state(s, STATE_SNAPSHOT, err);
+    if (status == DM2_OK)
+        status = subdomain_move(s->sd, &m.dmax, measure ? &m.measures : NULL, err);
+    m.hashed = every > 0 && (m.step % every == 0 || m.step == s->config.steps);
+    if (status == DM2_OK && m.hashed)
+        status = state_hash_subdomain(s->sd, &m.hash, err);
+    if (status == DM2_OK)
+        status = exchange_step(s, &m, rebuild, err);
+    s->times.steps++;
+    s->times.mirrored += subdomain_mirrored(s->sd);
+    s->summary->steps = m.step;
+    return status;
+}
+
+static enum dm2_status run_steps(struct session *s, struct dm2_error *err)
+{
+    bool rebuild = s->assign.rebuild_first;
+    enum dm2_status status = DM2_OK;
+    s->heard = clock_now();
+    for (int64_t n = 0; n < s->config.steps && status == DM2_OK; n++)
+        status = step(s, n, &rebuild, err);
+    return status;
+}
+
+static enum dm2_status finish(struct session *s, struct dm2_error *err)
+{
+    struct done_message done = {0};
+    (void)tally(s);
+    enum dm2_status status = send_state(s, STATE_FINAL, err);
+    if (status == DM2_OK)
+        status = subdomain_forces(s->sd, true, err);
+    if (status == DM2_OK && results_snapshot_due(&s->config, s->config.steps))
+        status = send_state(s, STATE_SNAPSHOT, err);
+    if (status == DM2_OK)
+        status = subdomain_measure_last(s->sd, &done.measures, err);
+    if (status != DM2_OK)
+        return status;
+    done.times = s->times;
+    done.times.messages_in = s->channel.frames_in;
+    done.times.messages_out = s->channel.frames_out;
+    done.times.bytes_in = s->channel.bytes_in;
+    done.times.bytes_out = s->channel.bytes_out;
+    bytes_clear(&s->out);
+    message_put_done(&s->out, &done);
+    return send_out(s, MESSAGE_DONE, err);
+}
+
+/* --- the session ------------------------------------------------------------------------------------------
+ */
+
+static void tell_client(struct session *s, const struct dm2_error *err)
+{
+    struct error_message m = {.status = err->status};
+    size_t size = sizeof m.text < sizeof err->text ? sizeof m.text : sizeof err->text;
+    memcpy(m.text, err->text, size);
+    m.text[size - 1] = '\0';
+    bytes_clear(&s->out);
+    message_put_error(&s->out, &m);
+    if (!s->out.failed)
+        (void)channel_send(&s->channel, MESSAGE_ERROR, 0, s->out.data, s->out.length,
+                           deadline_in(HANG_UP_SECONDS, -1), NULL);
+}
+
+static void free_session(struct session *s)
+{
+    exchange_free(&s->exchange);
+    subdomain_free(s->sd);
+    decomposition_free(&s->decomposition);
+    message_free_assign(&s->assign);
+    model_free(s->model);
+    if (s->loaded)
+        config_free(&s->config);
+    message_free_deck(&s->deck);
+    bytes_free(&s->out);
+}
+
+enum dm2_status server_session(int fd, const char *peer, const struct server_options *options,
+                               struct session_summary *summary, struct dm2_error *err)
+{
+    struct session s = {.options = options, .summary = summary, .timeout = options->timeout};
+    double start = clock_now();
+    *summary = (struct session_summary){.rank = -1};
+    channel_open(&s.channel, fd, PROTOCOL_VERSION, peer);
+    enum dm2_status status = shake_hands(&s, err);
+    if (status == DM2_OK)
+        status = get_deck(&s, err);
+    if (status == DM2_OK)
+        status = get_assignment(&s, err);
+    if (status == DM2_OK)
+        status = send_ready(&s, err);
+    if (status == DM2_OK)
+        status = run_steps(&s, err);
+    if (status == DM2_OK)
+        status = finish(&s, err);
+    if (status != DM2_OK && status != DM2_NET)
+        tell_client(&s, err);
+    channel_hang_up(&s.channel,
+                    deadline_in(HANG_UP_SECONDS, -1)); /* a signal does not cut the last message */
+    free_session(&s);
+    summary->seconds = clock_now() - start;
+    return status;
+}
+
+static void log_session(const struct session_summary *sum, enum dm2_status status,
+                        const struct dm2_error *err, server_log log, void *context, const char *peer)
+{
+    char line[1100], what[320] = "";
+    if (sum->rank >= 0)
+        (void)snprintf(what, sizeof what, "%s, rank %d of %d, %lld steps in %.3f s", sum->deck, sum->rank,
+                       sum->ranks, (long long)sum->steps, sum->seconds);
+    if (status == DM2_OK)
+        (void)snprintf(line, sizeof line, "done: %s", what);
+    else
+        (void)snprintf(line, sizeof line, "%s%s%s", err->text, what[0] != '\0' ? "; " : "", what);
+    for (char *c = line; *c != '\0'; c++)
+        if (*c == '\n')
+            *c = ' ';
+    log(context, status == DM2_OK ? SERVER_DONE : SERVER_FAILED, peer, line);
+}
+
+enum dm2_status server_serve(int listener, const struct server_options *options, bool once, server_log log,
+                             void *context, struct dm2_error *err)
+{
+    const double for_ever = 1e9;
+    for (;;) {
+        int fd = -1;
+        char peer[SOCKET_NAME];
+        struct deadline until = deadline_in(once ? options->timeout : for_ever, options->cancel);
+        enum dm2_status status = socket_accept(listener, until, &fd, peer, err);
+        if (status == DM2_TIMEOUT && once)
+            return dm2_fail(err, DM2_TIMEOUT, "no client came within %g s", options->timeout);
+        if (status != DM2_OK && status != DM2_TIMEOUT)
+            return status;
+        if (fd < 0)
+            continue;
+        struct session_summary summary;
+        log(context, SERVER_CONNECTED, peer, "connected");
+        status = server_session(fd, peer, options, &summary, err);
+        log_session(&summary, status, err, log, context, peer);
+        if (once || status == DM2_INTERRUPTED)
+            return status;
+    }
+}

@@ -1,0 +1,270 @@
+/* Frames on a channel.
+ *
+ * Receiving is a small state machine over (header_got, payload_got) that may stop at any byte, so that a
+ * client can serve many channels from one poll. Nothing is believed before it is checked: magic, version and
+ * length as they come, the checksum when the payload is whole. The payload's memory doubles behind the bytes
+ * that really arrive.
+ *
+ * Sending computes the checksum piecewise over the caller's parts and hands header and parts to one writev: a
+ * message is one system call and none of its bytes is copied here. */
+#include "dm2/net/frame.h"
+
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+
+#include "dm2/base/clock.h"
+#include "dm2/base/crc32c.h"
+#include "dm2/base/mem.h"
+
+enum {
+    PAYLOAD_FIRST = 65536,          /* first buffer, bytes */
+    HANG_UP_MOST = 16 * 1024 * 1024 /* bytes of a peer that are discarded while hanging up */
+};
+
+static void put_le(unsigned char *p, uint32_t v, int n)
+{
+    for (int k = 0; k < n; k++)
+        p[k] = (unsigned char)(v >> 8 * k & 0xff);
+}
+
+static uint32_t get_le(const unsigned char *p, int n)
+{
+    uint32_t v = 0;
+    for (int k = 0; k < n; k++)
+        v |= (uint32_t)p[k] << 8 * k;
+    return v;
+}
+
+void frame_header_encode(const struct frame_header *h, unsigned char out[FRAME_HEADER])
+{
+    put_le(out, FRAME_MAGIC, 4);
+    put_le(out + 4, h->version, 2);
+    out[6] = h->type;
+    out[7] = h->flags;
+    put_le(out + 8, h->length, 4);
+    put_le(out + 12, h->checksum, 4);
+}
+
+enum frame_fault frame_header_decode(const unsigned char in[FRAME_HEADER], uint16_t version, uint32_t limit,
+                                     struct frame_header *out)
+{
+    out->version = (uint16_t)get_le(in + 4, 2);
+    out->type = in[6];
+    out->flags = in[7];
+    out->length = get_le(in + 8, 4);
+    out->checksum = get_le(in + 12, 4);
+    if (get_le(in, 4) != FRAME_MAGIC)
+        return FRAME_STRANGER;
+    if (out->version != version)
+        return FRAME_VERSION;
+    if (out->length > limit || out->length > FRAME_LENGTH_MAX)
+        return FRAME_TOO_LONG;
+    return FRAME_GOOD;
+}
+
+void channel_open(struct channel *ch, int fd, uint16_t version, const char *name)
+{
+    *ch = (struct channel){.fd = fd, .version = version, .heard = clock_now()};
+    (void)snprintf(ch->name, sizeof ch->name, "%s", name);
+}
+
+void channel_close(struct channel *ch)
+{
+    socket_close(ch->fd);
+    ch->fd = -1;
+    free(ch->payload);
+    ch->payload = NULL;
+    ch->payload_cap = 0;
+}
+
+void channel_hang_up(struct channel *ch, struct deadline until)
+{
+    char waste[4096];
+    size_t total = 0, got = 0;
+    int closed = 0;
+    if (ch->fd >= 0 && shutdown(ch->fd, SHUT_WR) == 0) {
+        while (!closed && total < HANG_UP_MOST && socket_wait(ch->fd, POLLIN, until, NULL) == DM2_OK &&
+               socket_read_some(ch->fd, waste, sizeof waste, &got, &closed, NULL) == DM2_OK)
+            total += got;
+    }
+    channel_close(ch);
+}
+
+/* The same status with the peer's name before the text. */
+static enum dm2_status named(const struct channel *ch, enum dm2_status status, const struct dm2_error *why,
+                             struct dm2_error *err)
+{
+    if (status == DM2_OK || status == DM2_INTERRUPTED) {
+        if (err != NULL && status != DM2_OK)
+            *err = *why;
+        return status;
+    }
+    return dm2_fail(err, status, "%s: %s", ch->name, why->text);
+}
+
+enum dm2_status channel_send_parts(struct channel *ch, uint8_t type, uint8_t flags, struct iovec *iov,
+                                   size_t n_iov, struct deadline until, struct dm2_error *err)
+{
+    size_t length = 0;
+    for (size_t k = 1; k < n_iov; k++) {
+        if (iov[k].iov_len > FRAME_LENGTH_MAX - length)
+            return dm2_fail(err, DM2_PROTOCOL,
+                            "%s: a message would be longer than %u bytes: use more servers", ch->name,
+                            FRAME_LENGTH_MAX);
+        length += iov[k].iov_len;
+    }
+    unsigned char header[FRAME_HEADER];
+    struct frame_header h = {
+        .version = ch->version, .type = type, .flags = flags, .length = (uint32_t)length};
+    frame_header_encode(&h, header);
+    uint32_t crc = crc32c(0, header, FRAME_HEADER - 4);
+    for (size_t k = 1; k < n_iov; k++)
+        crc = crc32c(crc, iov[k].iov_base, iov[k].iov_len);
+    put_le(header + 12, crc, 4);
+    iov[0] = (struct iovec){.iov_base = header, .iov_len = sizeof header};
+    struct dm2_error why = {0};
+    enum dm2_status status = socket_write_all(ch->fd, iov, n_iov, until, &why);
+    if (status == DM2_OK) {
+        ch->frames_out++;
+        ch->bytes_out += FRAME_HEADER + length;
+    }
+    return named(ch, status, &why, err);
+}
+
+enum dm2_status channel_send(struct channel *ch, uint8_t type, uint8_t flags, const void *payload,
+                             size_t length, struct deadline until, struct dm2_error *err)
+{
+    struct iovec iov[2] = {{0}, {.iov_base = (void *)(uintptr_t)payload, .iov_len = length}};
+    return channel_send_parts(ch, type, flags, iov, 2, until, err);
+}
+
+static enum dm2_status header_fault(const struct channel *ch, enum frame_fault fault,
+                                    const struct frame_header *h, uint32_t limit, struct dm2_error *err)
+{
+    char start[5] = {0};
+    switch (fault) {
+    case FRAME_STRANGER:
+        for (int k = 0; k < 4; k++)
+            start[k] = ch->header[k] >= ' ' && ch->header[k] <= '~' ? (char)ch->header[k] : '.';
+        return dm2_fail(err, DM2_PROTOCOL, "%s does not speak dm2's protocol: its message starts with '%s'",
+                        ch->name, start);
+    case FRAME_VERSION:
+        return dm2_fail(
+            err, DM2_PROTOCOL,
+            "%s speaks protocol version %u, this program version %u: install the same dm2 on both machines",
+            ch->name, h->version, ch->version);
+    case FRAME_TOO_LONG:
+        return dm2_fail(err, DM2_PROTOCOL,
+                        "%s announces a message (type %u) of %u bytes where at most %u are allowed", ch->name,
+                        h->type, h->length, limit);
+    case FRAME_CHECKSUM:
+        return dm2_fail(err, DM2_PROTOCOL,
+                        "%s: a message (type %u, %u bytes) arrived changed: its checksum differs", ch->name,
+                        h->type, h->length);
+    case FRAME_CUT:
+        return dm2_fail(err, DM2_NET, "%s closed the connection in the middle of a message", ch->name);
+    case FRAME_GOOD:
+        break;
+    }
+    return DM2_OK;
+}
+
+static enum dm2_status check_header(struct channel *ch, uint32_t limit, struct dm2_error *err)
+{
+    if (ch->header_got >= 4 && get_le(ch->header, 4) != FRAME_MAGIC)
+        return header_fault(ch, FRAME_STRANGER, &ch->in, limit, err);
+    if (ch->header_got < FRAME_HEADER)
+        return DM2_OK;
+    return header_fault(ch, frame_header_decode(ch->header, ch->version, limit, &ch->in), &ch->in, limit,
+                        err);
+}
+
+/* Where the next bytes go: the header, or the payload with room made for them. */
+static enum dm2_status next_room(struct channel *ch, unsigned char **room, size_t *n, struct dm2_error *err)
+{
+    if (ch->header_got < FRAME_HEADER) {
+        *room = ch->header + ch->header_got;
+        *n = FRAME_HEADER - ch->header_got;
+        return DM2_OK;
+    }
+    if (ch->payload_got == ch->payload_cap) {
+        size_t want = ch->payload_cap > 0 ? 2 * ch->payload_cap : PAYLOAD_FIRST;
+        void *block = ch->payload;
+        if (mem_grow(&block, &ch->payload_cap, ch->payload_got, want, 1) != 0)
+            return dm2_fail(err, DM2_MEMORY, "%s: no memory for a message of %u bytes", ch->name,
+                            ch->in.length);
+        ch->payload = block;
+    }
+    size_t left = ch->in.length - ch->payload_got, space = ch->payload_cap - ch->payload_got;
+    *room = ch->payload + ch->payload_got;
+    *n = left < space ? left : space;
+    return DM2_OK;
+}
+
+static enum dm2_status finish_frame(struct channel *ch, struct frame *out, struct dm2_error *err)
+{
+    uint32_t crc = crc32c(0, ch->header, FRAME_HEADER - 4);
+    if (crc32c(crc, ch->payload, ch->in.length) != ch->in.checksum)
+        return header_fault(ch, FRAME_CHECKSUM, &ch->in, 0, err);
+    *out = (struct frame){
+        .type = ch->in.type, .flags = ch->in.flags, .payload = ch->payload, .length = ch->in.length};
+    ch->frames_in++;
+    ch->header_got = ch->payload_got = 0;
+    return DM2_OK;
+}
+
+enum dm2_status channel_receive_some(struct channel *ch, uint32_t limit, bool *complete, struct frame *out,
+                                     struct dm2_error *err)
+{
+    *complete = false;
+    for (;;) {
+        if (ch->header_got == FRAME_HEADER && ch->payload_got == ch->in.length) {
+            *complete = true;
+            return finish_frame(ch, out, err);
+        }
+        unsigned char *room = NULL;
+        size_t want = 0, got = 0;
+        int closed = 0;
+        struct dm2_error why = {0};
+        bool in_header = ch->header_got < FRAME_HEADER;
+        enum dm2_status status = next_room(ch, &room, &want, err);
+        if (status != DM2_OK)
+            return status;
+        status = socket_read_some(ch->fd, room, want, &got, &closed, &why);
+        if (status != DM2_OK)
+            return named(ch, status, &why, err);
+        if (closed)
+            return ch->header_got > 0 ? header_fault(ch, FRAME_CUT, &ch->in, limit, err)
+                                      : dm2_fail(err, DM2_NET, "%s closed the connection", ch->name);
+        if (got == 0)
+            return DM2_OK;
+        ch->heard = clock_now();
+        ch->bytes_in += got;
+        if (in_header) {
+            ch->header_got += got;
+            status = check_header(ch, limit, err);
+            if (status != DM2_OK)
+                return status;
+        } else {
+            ch->payload_got += got;
+        }
+    }
+}
+
+enum dm2_status channel_receive(struct channel *ch, uint32_t limit, struct deadline until, struct frame *out,
+                                struct dm2_error *err)
+{
+    for (;;) {
+        bool complete = false;
+        struct dm2_error why = {0};
+        enum dm2_status status = channel_receive_some(ch, limit, &complete, out, err);
+        if (status != DM2_OK || complete)
+            return status;
+        status = socket_wait(ch->fd, POLLIN, until, &why);
+        if (status != DM2_OK)
+            return named(ch, status, &why, err);
+    }
+}

@@ -1,0 +1,160 @@
+/* Integration of the owned elements.
+ *
+ * Energy book (docs/physics.md, section 7): damping heat was booked with the velocities of the half step before; its
+ * exact total needs only the element's own sums, since
+ *   sum over pairs of -F_d . (v(n-1/2) + v(n+1/2))/2 dt = lagged heat - 1/2 dt sum_i (F_d,i . dv_i + tau_d,i dw_i).
+ * Kinetic energy at the whole step is that of the mean velocity; thermal energy there counts half of the damping heat
+ * of the step around it, and all heat that was freed by then. */
+#include "dm2/sim/leapfrog.h"
+
+#include <math.h>
+
+#include "dm2/sim/lists.h"
+
+double leapfrog_kick_time(const struct model *m, int64_t step)
+{
+    return step == 0 ? 0.5 * m->config->dt : m->config->dt;
+}
+
+double leapfrog_path_time(const struct model *m, int64_t step)
+{
+    return step == 0 ? 0.0 : m->config->dt;
+}
+
+/* What one kick does to one element. */
+struct kick {
+    double dv[2], dw;
+    double heat_now;    /* freed at once */
+    double heat_damped; /* over the kick, corrected; conduction is in it */
+    double force[2];    /* total pair force, Mbar cm2 */
+};
+
+static inline struct kick kick_of(const struct model *m, const struct particles *p, size_t i, double dt)
+{
+    const int64_t *s = p->pair_sum + SUM_COUNT * i, *far = p->far_sum + 2 * i;
+    const struct fixed_scales *x = &m->fixed;
+    double mass = p->mass[i], damp[2];
+    struct kick k;
+    for (int a = 0; a < 2; a++) {
+        k.force[a] = (double)far[a] / x->far_force + (double)s[SUM_FX + a] / x->force;
+        damp[a] = (double)s[SUM_DX + a] / x->force;
+        k.dv[a] = (k.force[a] / mass + m->config->gravity[a]) * dt;
+    }
+    double inertia = 0.5 * mass * (p->radius[i] * p->radius[i]);
+    k.dw = m->has_spin ? (double)s[SUM_TORQUE] / x->torque / inertia * dt : 0.0;
+    if (p->flags[i] & ELEMENT_FIXED_MOTION)
+        k.dv[0] = k.dv[1] = k.dw = 0.0;
+    k.heat_now = (double)s[SUM_HEAT] / x->heat;
+    k.heat_damped = (double)s[SUM_DHEAT] / x->heat -
+                    0.5 * dt * (damp[0] * k.dv[0] + damp[1] * k.dv[1] + (double)s[SUM_DTORQUE] / x->torque * k.dw);
+    return k;
+}
+
+void leapfrog_whole_velocity(const struct model *m, const struct particles *p, size_t i, int64_t step, double v[2],
+                             double *w)
+{
+    double share = step == 0 ? 0.0 : 0.5; /* step 0 starts at the whole step */
+    struct kick k = kick_of(m, p, i, leapfrog_kick_time(m, step));
+    for (size_t a = 0; a < 2; a++)
+        v[a] = p->v[2 * i + a] + share * k.dv[a];
+    *w = p->w[i] + share * k.dw;
+}
+
+void leapfrog_stress(const struct model *m, const struct particles *p, size_t i, double stress[3])
+{
+    double d = 2.0 * p->radius[i], volume = 0x1.bb67ae8584caap-1 * (d * d); /* sqrt(3)/2 d^2 h */
+    for (size_t a = 0; a < 3; a++)
+        stress[a] = -0.5 * ((double)p->virial[3 * i + a] / m->fixed.virial) / volume;
+}
+
+void leapfrog_set_pressure(const struct model *m, struct particles *p)
+{
+    for (size_t i = 0; i < p->n_own; i++) {
+        double stress[3];
+        leapfrog_stress(m, p, i, stress);
+        p->p[i] = -0.5 * (stress[0] + stress[1]);
+    }
+}
+
+/* Adds slot i's part of the measures of this step. False where a value is out of the sums' range. */
+static bool measure_element(const struct model *m, const struct particles *p, size_t i, int64_t step, const struct kick *k,
+                            struct measures *out)
+{
+    const struct measure_scales *s = &m->scales;
+    double share = step == 0 ? 0.0 : 0.5, mass = p->mass[i], stress[3];
+    double v[2] = {p->v[2 * i] + share * k->dv[0], p->v[2 * i + 1] + share * k->dv[1]}, w = p->w[i] + share * k->dw;
+    double spin = 0.5 * mass * (p->radius[i] * p->radius[i]) * w;
+    double x = p->r[2 * i], y = p->r[2 * i + 1];
+    bool fits = exact_add(&out->kinetic, 0.5 * mass * (v[0] * v[0] + v[1] * v[1]) + 0.5 * spin * w, s->energy);
+    fits &= exact_add(&out->thermal, p->heat[i] + k->heat_now + share * k->heat_damped, s->energy);
+    fits &= exact_add(&out->work, p->work[i], s->energy);
+    fits &= exact_add(&out->momentum[0], mass * v[0], s->momentum);
+    fits &= exact_add(&out->momentum[1], mass * v[1], s->momentum);
+    fits &= exact_add(&out->angular, mass * (x * v[1] - y * v[0]) + spin, s->momentum);
+    out->elements++;
+    leapfrog_stress(m, p, i, stress);
+    double pressure = -0.5 * (stress[0] + stress[1]);
+    out->p_min = pressure < out->p_min ? pressure : out->p_min;
+    out->p_max = pressure > out->p_max ? pressure : out->p_max;
+    out->t_max = p->temperature[i] > out->t_max ? p->temperature[i] : out->t_max;
+    for (int b = 0; p->probes[i] >> b != 0; b++) {
+        if (!(p->probes[i] >> b & 1))
+            continue;
+        out->probe[b].count++;
+        for (int a = 0; a < 2; a++) {
+            fits &= exact_add(&out->probe[b].r[a], p->r[2 * i + (size_t)a], s->length);
+            fits &= exact_add(&out->probe[b].v[a], v[a], s->velocity);
+        }
+    }
+    return fits;
+}
+
+static enum dm2_status out_of_range(const struct particles *p, size_t i, int64_t step, const char *what,
+                                    struct dm2_error *err)
+{
+    return dm2_fail(err, DM2_NUMERIC,
+                    "step %lld: element %u at (%g, %g) cm %s (velocity (%g, %g) cm/us): the run is unstable; choose a smaller "
+                    "dt or check the deck's velocities and stiffnesses",
+                    (long long)step, p->id[i], p->r[2 * i], p->r[2 * i + 1], what, p->v[2 * i], p->v[2 * i + 1]);
+}
+
+enum dm2_status leapfrog_move(const struct model *m, struct particles *p, int64_t step, bool drift, double *dmax,
+                              struct measures *out, struct dm2_error *err)
+{
+    const struct config *c = m->config;
+    double dt = c->dt, dt_kick = leapfrog_kick_time(m, step), fastest2 = 0.0;
+    double edge = m->grid.lx < m->grid.ly ? m->grid.lx : m->grid.ly, limit2 = (edge / dt) * (edge / dt);
+    for (size_t i = 0; i < p->n_own; i++) {
+        struct kick k = kick_of(m, p, i, dt_kick);
+        if (out != NULL && !measure_element(m, p, i, step, &k, out))
+            return out_of_range(p, i, step, "left the range that sums can hold", err);
+        if (!drift)
+            continue;
+        double *v = p->v + 2 * i, *r = p->r + 2 * i, speed2 = 0.0;
+        for (int a = 0; a < 2; a++) {
+            v[a] += k.dv[a];
+            speed2 += v[a] * v[a];
+        }
+        if (!(speed2 < limit2))
+            return out_of_range(p, i, step, "would move further than a cell edge in one step", err);
+        p->w[i] += k.dw;
+        if (p->flags[i] & ELEMENT_FIXED_MOTION)
+            p->work[i] -= (k.force[0] * v[0] + k.force[1] * v[1]) * dt;
+        else
+            p->work[i] += p->mass[i] * (c->gravity[0] * v[0] + c->gravity[1] * v[1]) * dt;
+        for (int a = 0; a < 2; a++) {
+            r[a] += v[a] * dt;
+            if (m->grid.periodic[a]) {
+                double low = m->grid.origin[a], size = m->grid.size[a];
+                r[a] = r[a] >= low + size ? r[a] - size : r[a] < low ? r[a] + size : r[a];
+            }
+        }
+        p->heat[i] += k.heat_now + k.heat_damped;
+        if (m->has_near)
+            particles_warm(p, m, i);
+        fastest2 = speed2 > fastest2 ? speed2 : fastest2;
+    }
+    if (dmax != NULL)
+        *dmax = drift ? sqrt(fastest2) * dt : 0.0;
+    return DM2_OK;
+}

@@ -1,0 +1,267 @@
+/* Building the neighbour lists, from cells or from all pairs (config search = lists; the paper's Fig. 4).
+ *
+ * A cell's elements meet the later ones of their own cell, those of the later own cells around it and those of the
+ * mirrored cells around it: every pair that has an owned element is met exactly once, from its lower slot. Lists hold
+ * the same pairs whatever the search; only the order in a row differs, and no sum depends on order. */
+#include "dm2/sim/lists.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dm2/base/mem.h"
+
+/* A link starts where lattice neighbours touch, give or take rounding of the deck's spacings. */
+static const double initial_reach = 1.02;
+
+struct builder {
+    struct lists *lists;
+    const struct model *m;
+    const struct particles *p;
+    bool initial;
+    double far_reach2, near_reach2; /* cm2; the second bounds every pair's own */
+    double period[2], half[2];      /* infinite halves where a side is not periodic */
+    uint32_t row;                   /* the owned slot whose row is being filled */
+    size_t far_count, near_count;
+    uint32_t close_a, close_b;      /* an overlapping pair, if any */
+    bool overlap;
+};
+
+static int list_reserve_rows(struct half_list *list, size_t rows)
+{
+    void *start = list->start;
+    if (mem_grow(&start, &list->row_cap, 0, rows + 1, sizeof *list->start) != 0)
+        return -1;
+    list->start = start;
+    return 0;
+}
+
+static int far_reserve(struct half_list *list, size_t used, size_t more)
+{
+    void *j = list->j;
+    int status = mem_grow(&j, &list->cap, used, used + more, sizeof *list->j);
+    list->j = j;
+    return status;
+}
+
+static int near_reserve(struct lists *l, size_t used, size_t more)
+{
+    if (used + more <= l->memory_cap)
+        return 0;
+    void *linked = l->linked, *stretch = l->stretch, *spring = l->spring;
+    size_t cap[3] = {l->memory_cap, l->memory_cap, l->memory_cap};
+    int status = far_reserve(&l->near, used, more);
+    if (status == 0)
+        status = mem_grow(&linked, &cap[0], used, used + more, sizeof *l->linked);
+    l->linked = linked;
+    if (status == 0)
+        status = mem_grow(&stretch, &cap[1], used, used + more, sizeof *l->stretch);
+    l->stretch = stretch;
+    if (status == 0)
+        status = mem_grow(&spring, &cap[2], used, used + more, sizeof *l->spring);
+    l->spring = spring;
+    if (status == 0)
+        l->memory_cap = cap[0];
+    return status;
+}
+
+static void add_near(struct builder *b, uint32_t j, bool linked, double stretch, double spring)
+{
+    struct lists *l = b->lists;
+    size_t at = b->near_count++;
+    l->near.j[at] = j;
+    l->linked[at] = linked;
+    l->stretch[at] = stretch;
+    l->spring[at] = spring;
+}
+
+/* Is the pair worth a near entry, and does it start linked? */
+static void consider_near(struct builder *b, uint32_t i, uint32_t j, double r2)
+{
+    const struct particles *p = b->p;
+    enum relation relation = relation_of(p->body[i], p->grain[i], p->body[j], p->grain[j]);
+    const struct pair_law *law = model_law(b->m, p->kind[i], p->kind[j], relation);
+    double r0 = p->radius[i] + p->radius[j], reach = r0 + b->m->config->delta_r;
+    if (b->initial && r2 < 0.25 * (r0 * r0) && !b->overlap) {
+        b->overlap = true;
+        b->close_a = i;
+        b->close_b = j;
+    }
+    if (!law->near)
+        return;
+    bool linked = b->initial && law->initial_link && r2 <= (initial_reach * r0) * (initial_reach * r0);
+    if (linked || r2 <= reach * reach)
+        add_near(b, j, linked, 0.0, 0.0);
+}
+
+/* Room for one more row that may meet `candidates` elements. */
+static int reserve_row(struct builder *b, size_t candidates)
+{
+    if (b->m->has_far && far_reserve(&b->lists->far, b->far_count, candidates) != 0)
+        return -1;
+    if (b->m->has_near && near_reserve(b->lists, b->near_count, candidates) != 0)
+        return -1;
+    return 0;
+}
+
+static inline void meet(struct builder *b, uint32_t i, uint32_t j)
+{
+    const double *r = b->p->r;
+    double dx = lists_wrap(r[2 * i] - r[2 * j], b->period[0], b->half[0]);
+    double dy = lists_wrap(r[2 * i + 1] - r[2 * j + 1], b->period[1], b->half[1]);
+    double r2 = dx * dx + dy * dy;
+    if (r2 <= b->far_reach2)
+        b->lists->far.j[b->far_count++] = j;
+    if (r2 <= b->near_reach2)
+        consider_near(b, i, j, r2);
+}
+
+static int row_from_cells(struct builder *b, const struct cells *cells, int own, uint32_t i)
+{
+    size_t candidates = cells->start[own + 1] - i;
+    for (uint32_t k = cells->ring_start[own]; k < cells->ring_start[own + 1]; k++) {
+        int32_t c = cells->ring[k];
+        candidates += c < cells->n_own ? cells->start[c + 1] - cells->start[c]
+                                       : cells->mirror_start[c - cells->n_own + 1] - cells->mirror_start[c - cells->n_own];
+    }
+    if (reserve_row(b, candidates) != 0)
+        return -1;
+    for (uint32_t j = i + 1; j < cells->start[own + 1]; j++)
+        meet(b, i, j);
+    for (uint32_t k = cells->ring_start[own]; k < cells->ring_start[own + 1]; k++) {
+        int32_t c = cells->ring[k];
+        if (c < cells->n_own) {
+            for (uint32_t j = cells->start[c]; j < cells->start[c + 1]; j++)
+                meet(b, i, j);
+        } else {
+            c -= cells->n_own;
+            for (uint32_t s = cells->mirror_start[c]; s < cells->mirror_start[c + 1]; s++)
+                meet(b, i, cells->mirror_slot[s]);
+        }
+    }
+    return 0;
+}
+
+static int row_from_all(struct builder *b, uint32_t i)
+{
+    /* Reserved for the pairs that are found, not for the n that are looked at. */
+    for (uint32_t j = i + 1; j < b->p->n; j++) {
+        if ((j - i) % 1024 == 1 && reserve_row(b, 1024) != 0)
+            return -1;
+        meet(b, i, j);
+    }
+    return 0;
+}
+
+/* Gives the memory that row i carries over to its entries; a linked pair out of reach of contact gets its own. */
+static int remember(struct builder *b, uint32_t i, const struct carried_pair *pairs, size_t n)
+{
+    struct lists *l = b->lists;
+    for (size_t k = 0; k < n; k++) {
+        size_t at = l->near.start[i];
+        while (at < b->near_count && l->near.j[at] != pairs[k].b)
+            at++;
+        if (at == b->near_count) {
+            if (near_reserve(l, b->near_count, 1) != 0)
+                return -1;
+            add_near(b, pairs[k].b, false, 0.0, 0.0);
+        }
+        l->linked[at] = pairs[k].linked;
+        l->stretch[at] = pairs[k].stretch;
+        l->spring[at] = pairs[k].spring;
+    }
+    return 0;
+}
+
+/* Sorts carried pairs by row, counting; *rows has n_own + 1 starts. */
+static int sort_carried(const struct carried_pair *in, size_t n, size_t n_own, struct carried_pair **out, uint32_t **rows)
+{
+    *out = mem_alloc(n, sizeof **out);
+    *rows = mem_zalloc(n_own + 2, sizeof **rows);
+    if (*out == NULL || *rows == NULL)
+        return -1;
+    uint32_t *start = *rows;
+    for (size_t k = 0; k < n; k++)
+        start[in[k].a + 2]++;
+    for (size_t i = 0; i < n_own; i++)
+        start[i + 2] += start[i + 1];
+    for (size_t k = 0; k < n; k++)
+        (*out)[start[in[k].a + 1]++] = in[k];
+    return 0;
+}
+
+static struct builder begin(struct lists *lists, const struct model *m, const struct particles *p, bool initial)
+{
+    double dr = m->config->delta_r, near = m->has_near || initial ? 2.0 * m->radius_max + dr : 0.0;
+    struct builder b = {.lists = lists, .m = m, .p = p, .initial = initial};
+    if (initial && near < initial_reach * 2.0 * m->radius_max)
+        near = initial_reach * 2.0 * m->radius_max;
+    b.far_reach2 = m->has_far ? (m->far_cutoff + dr) * (m->far_cutoff + dr) : -1.0;
+    b.near_reach2 = near > 0.0 ? near * near : -1.0;
+    for (int a = 0; a < 2; a++) {
+        b.period[a] = m->grid.periodic[a] ? m->grid.size[a] : 0.0;
+        b.half[a] = m->grid.periodic[a] ? 0.5 * m->grid.size[a] : INFINITY;
+    }
+    return b;
+}
+
+enum dm2_status lists_build(struct lists *lists, const struct model *m, const struct particles *p,
+                            const struct cells *cells, const struct carried_pair *carried, size_t n_carried,
+                            bool initial, struct dm2_error *err)
+{
+    struct builder b = begin(lists, m, p, initial);
+    struct carried_pair *sorted = NULL;
+    uint32_t *rows = NULL;
+    bool all_pairs = m->config->search == SEARCH_LISTS;
+    enum dm2_status status = DM2_MEMORY;
+    if (list_reserve_rows(&lists->far, p->n_own) != 0 || list_reserve_rows(&lists->near, p->n_own) != 0 ||
+        sort_carried(carried, n_carried, p->n_own, &sorted, &rows) != 0)
+        goto done;
+    for (int own = 0; own < cells->n_own; own++) {
+        for (uint32_t i = cells->start[own]; i < cells->start[own + 1]; i++) {
+            lists->far.start[i] = (uint32_t)b.far_count;
+            lists->near.start[i] = (uint32_t)b.near_count;
+            if ((all_pairs ? row_from_all(&b, i) : row_from_cells(&b, cells, own, i)) != 0 ||
+                remember(&b, i, sorted + rows[i], rows[i + 1] - rows[i]) != 0)
+                goto done;
+            if (b.far_count > UINT32_MAX || b.near_count > UINT32_MAX) {
+                status = dm2_fail(err, DM2_NUMERIC, "a subdomain's neighbour list has more than 2^32 - 1 pairs: use more "
+                                                    "servers or a smaller r_c");
+                goto done;
+            }
+        }
+    }
+    lists->far.start[p->n_own] = (uint32_t)b.far_count;
+    lists->near.start[p->n_own] = (uint32_t)b.near_count;
+    status = DM2_OK;
+    if (b.overlap)
+        status = dm2_fail(err, DM2_DECK,
+                          "elements %u and %u start closer than half their contact distance, near (%g, %g) cm: bodies "
+                          "'%s' and '%s' overlap, or a spacing is too small for its radius",
+                          p->id[b.close_a], p->id[b.close_b], p->r[2 * b.close_a], p->r[2 * b.close_a + 1],
+                          m->config->bodies[p->body[b.close_a]].name, m->config->bodies[p->body[b.close_b]].name);
+done:
+    free(sorted);
+    free(rows);
+    if (status == DM2_MEMORY)
+        return dm2_fail(err, DM2_MEMORY, "no memory for the neighbour lists of %zu elements", p->n_own);
+    return status;
+}
+
+void lists_free(struct lists *l)
+{
+    free(l->far.start);
+    free(l->far.j);
+    free(l->near.start);
+    free(l->near.j);
+    free(l->linked);
+    free(l->stretch);
+    free(l->spring);
+    *l = (struct lists){0};
+}
+
+size_t lists_bytes(const struct lists *l)
+{
+    return (l->far.row_cap + l->far.cap + l->near.row_cap + l->near.cap) * sizeof(uint32_t) +
+           l->memory_cap * (1 + 2 * sizeof(double));
+}

@@ -1,0 +1,403 @@
+/* From the deck's numbers to the engine's tables.
+ *
+ * Calibration (docs/physics.md, section 3): a hexagonal nearest-neighbour lattice of stiffness kn, kt has
+ * C11 = sqrt(3)/4 (3 kn + kt)/h and C66 = sqrt(3)/4 (kn + kt)/h. With K0 = rho0 c0^2:
+ *   uniaxial: kn = 4 K0 h/(3 sqrt 3), Morse shape a = (16 S + 3)/9  (right for plane shocks)
+ *   bulk:     kn = 2 K0 h/sqrt 3,     Morse shape a = (8 S - 3)/3   (right for isotropic loading)
+ *   kt = 4 G h/sqrt 3 - kn, kept within [0, kn/2].
+ * A pair of two materials: harmonic mean of K0 and G, mean of S, the weaker of Y and Yt.
+ *
+ * Every table entry is computed with the pair's kinds in ascending order, so that law(a, b) and law(b, a) have the
+ * same bits. */
+#include "dm2/sim/model.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "dm2/base/mem.h"
+#include "dm2/sim/generate.h"
+#include "dm2/sim/tables.h"
+
+static const double root3 = 0x1.bb67ae8584caap0;
+
+double model_element_mass(const struct material_config *m, double radius)
+{
+    if (!isnan(m->mass))
+        return m->mass;
+    double d = 2.0 * radius;
+    return m->rho0 * (0.5 * root3 * (d * d));
+}
+
+static double harmonic_mean(double a, double b)
+{
+    return a + b > 0.0 ? 2.0 * (a * b) / (a + b) : 0.0;
+}
+
+static double or_else(double value, double otherwise)
+{
+    return isnan(value) ? otherwise : value;
+}
+
+/* k and shape of the pair at contact distance r0, from an explicit k, plain epsilon and sigma, or Hugoniot data. */
+static enum dm2_status calibrate_centre(const struct material_config *a, const struct material_config *b,
+                                        const struct interaction_config *in, struct pair_law *law,
+                                        struct dm2_error *err)
+{
+    double s = 0.5 * (a->s + b->s);
+    bool bulk = in->calibration == CALIBRATION_BULK;
+    if (!isnan(in->epsilon)) {
+        double cube_root2 = 0x1.428a2f98d728bp0; /* 2^(1/3) */
+        law->eps12 = 12.0 * in->epsilon;
+        law->rm2 = cube_root2 * (in->sigma * in->sigma);
+        law->k = 72.0 * in->epsilon / law->rm2;
+    } else if (!isnan(in->k)) {
+        law->k = in->k;
+    } else {
+        double k0 = harmonic_mean(a->rho0 * (a->c0 * a->c0), b->rho0 * (b->c0 * b->c0));
+        if (!(k0 > 0.0))
+            return dm2_fail(err, DM2_DECK,
+                            "materials '%s' and '%s' have no stiffness: give them rho0 and c0, or the interaction k, "
+                            "or epsilon and sigma",
+                            a->name, b->name);
+        law->k = bulk ? 2.0 * k0 / root3 : 4.0 * k0 / (3.0 * root3);
+    }
+    law->shape = or_else(in->shape, bulk ? (8.0 * s - 3.0) / 3.0 : (16.0 * s + 3.0) / 9.0);
+    if (law->potential == POTENTIAL_MORSE && !(law->shape > 0.0))
+        return dm2_fail(err, DM2_DECK,
+                        "the Morse potential of '%s' and '%s' has no shape: give the materials s (above %s), or the "
+                        "interaction a shape",
+                        a->name, b->name, bulk ? "3/8 for bulk calibration" : "0");
+    return DM2_OK;
+}
+
+static enum dm2_status build_law(const struct config *c, int ia, int ib, enum relation relation, struct pair_law *law,
+                                 struct dm2_error *err)
+{
+    const struct material_config *a = &c->materials[ia], *b = &c->materials[ib];
+    struct interaction_config in = config_interaction(c, ia, ib, relation);
+    *law = (struct pair_law){.potential = in.potential, .scope = in.scope, .initial_link = in.linked,
+                             .a_p = in.a_p, .a_t = in.a_t, .t0_mean = 0.5 * (a->t0 + b->t0), .mu = in.mu,
+                             .link_form = in.link_form, .link_break = in.link_break};
+    enum dm2_status status = calibrate_centre(a, b, &in, law, err);
+    if (status != DM2_OK)
+        return status;
+    if (in.scope == SCOPE_ALL) {
+        double cutoff = or_else(in.cutoff, c->r_c);
+        law->cutoff2 = cutoff * cutoff;
+        if (law->eps12 > 0.0) {
+            double q = law->rm2 / law->cutoff2, q3 = q * q * q;
+            law->u_cut = law->eps12 / 12.0 * (q3 * q3 - 2.0 * q3);
+        }
+    }
+    law->cn = in.zeta * 2.0 * sqrt(law->k);
+    law->ct = in.ct_ratio * 2.0 * sqrt(law->k);
+    law->kt_link = in.kt_ratio * law->k;
+    if (isnan(in.kt_ratio)) {
+        double g = isnan(a->shear) || isnan(b->shear) ? 0.0 : harmonic_mean(a->shear, b->shear);
+        double kt = 4.0 * g / root3 - law->k;
+        law->kt_link = kt < 0.0 ? 0.0 : kt > 0.5 * law->k ? 0.5 * law->k : kt;
+    }
+    /* Dry friction needs a spring to load also where the lattice has none: 2/7 kn (Schaefer, Dippel, Wolf,
+     * J. Phys. I 6 (1996) 5, use that ratio for discs). */
+    law->kt_contact = in.mu > 0.0 && law->kt_link < 2.0 / 7.0 * law->k && isnan(in.kt_ratio) ? 2.0 / 7.0 * law->k
+                                                                                           : law->kt_link;
+    law->tangential = law->kt_link > 0.0 || law->kt_contact > 0.0 || law->ct > 0.0;
+    law->yield_i = or_else(in.yield, or_else(a->yield, INFINITY));
+    law->yield_j = or_else(in.yield, or_else(b->yield, INFINITY));
+    law->tensile_i = or_else(in.tensile, or_else(a->tensile, INFINITY));
+    law->tensile_j = or_else(in.tensile, or_else(b->tensile, INFINITY));
+    law->conduction = in.conductance * harmonic_mean(a->kappa, b->kappa);
+    law->near = law->scope == SCOPE_LINKED || law->cn > 0.0 || law->tangential || law->conduction > 0.0;
+    law->cn_mass = law->ct_mass = -1.0;
+    return DM2_OK;
+}
+
+/* Where all elements of each kind have one mass, the damping coefficients need no square root per pair. */
+static void uniform_masses(struct model *m)
+{
+    const struct config *c = m->config;
+    double *radius = mem_zalloc(m->n_kinds, sizeof *radius); /* 0: no element yet, -1: several radii */
+    if (radius == NULL)
+        return;
+    for (size_t b = 0; b < c->n_bodies; b++) {
+        for (size_t i = 0; i < c->bodies[b].n_mix; i++) {
+            double *r = &radius[c->bodies[b].mix_material[i]];
+            *r = *r == 0.0 || *r == c->bodies[b].radius ? c->bodies[b].radius : -1.0;
+        }
+    }
+    for (size_t a = 0; a < m->n_kinds; a++) {
+        for (size_t b = 0; b < m->n_kinds; b++) {
+            if (radius[a] <= 0.0 || radius[b] <= 0.0)
+                continue;
+            double ma = model_element_mass(&c->materials[a], radius[a]);
+            double mb = model_element_mass(&c->materials[b], radius[b]);
+            double root = sqrt((ma * mb) / (ma + mb));
+            for (size_t rel = 0; rel < RELATION_COUNT; rel++) {
+                struct pair_law *law = &m->laws[(a * m->n_kinds + b) * RELATION_COUNT + rel];
+                law->cn_mass = law->cn * root;
+                law->ct_mass = law->ct * root;
+            }
+        }
+    }
+    free(radius);
+}
+
+static enum dm2_status build_laws(struct model *m, struct dm2_error *err)
+{
+    const struct config *c = m->config;
+    size_t n = m->n_kinds;
+    for (size_t a = 0; a < n; a++) {
+        for (size_t b = a; b < n; b++) {
+            for (size_t rel = 0; rel < RELATION_COUNT; rel++) {
+                struct pair_law *law = &m->laws[(a * n + b) * RELATION_COUNT + rel];
+                enum dm2_status status = build_law(c, (int)a, (int)b, (enum relation)rel, law, err);
+                if (status != DM2_OK)
+                    return status;
+                struct pair_law *mirror = &m->laws[(b * n + a) * RELATION_COUNT + rel];
+                *mirror = *law;
+                mirror->yield_i = law->yield_j;
+                mirror->yield_j = law->yield_i;
+                mirror->tensile_i = law->tensile_j;
+                mirror->tensile_j = law->tensile_i;
+                m->has_far |= law->scope == SCOPE_ALL;
+                m->has_near |= law->near;
+                m->has_spin |= law->tangential;
+                m->has_damping |= law->cn > 0.0 || law->ct > 0.0 || law->tangential;
+                m->has_heat |= law->conduction > 0.0 || (law->cn > 0.0 && law->a_t != 0.0);
+                m->has_pressure |= law->cn > 0.0 && law->a_p != 0.0;
+                double cutoff = sqrt(law->cutoff2);
+                m->far_cutoff = cutoff > m->far_cutoff ? cutoff : m->far_cutoff;
+            }
+        }
+    }
+    const struct pair_law *only = &m->laws[0];
+    m->uniform_far = n == 1 && only[0].scope == SCOPE_ALL && only[1].scope == SCOPE_ALL && only[2].scope == SCOPE_ALL;
+    for (int rel = 1; rel < RELATION_COUNT && m->uniform_far; rel++)
+        m->uniform_far = only[rel].potential == only[0].potential && only[rel].k == only[0].k &&
+                         only[rel].shape == only[0].shape && only[rel].eps12 == only[0].eps12 &&
+                         only[rel].cutoff2 == only[0].cutoff2;
+    uniform_masses(m);
+    return DM2_OK;
+}
+
+/* The largest power of two that keeps |value| <= `largest` below 2^bits. */
+static double fixed_scale(double largest, int bits)
+{
+    int e;
+    (void)frexp(largest, &e);
+    return ldexp(1.0, bits - e);
+}
+
+/* Scales from the deck alone. F_ref = k r0 is the force of a bond strained by 100 %. Sums of up to 64 pairs of 2^57
+ * fit in 64 bits; the far sums use the 51 bits that adding 1.5 * 2^52 leaves, see force.c. */
+static void choose_scales(struct model *m)
+{
+    const struct config *c = m->config;
+    double r0 = 2.0 * m->radius_max, force = 0.0, heat = 0.0, mass = 0.0, mass_total = 0.0;
+    for (size_t i = 0; i < m->n_kinds * m->n_kinds * RELATION_COUNT; i++) {
+        const struct pair_law *law = &m->laws[i];
+        double r = law->eps12 > 0.0 ? sqrt(law->rm2) : r0;
+        force = law->k * r > force ? law->k * r : force;
+    }
+    for (size_t b = 0; b < c->n_bodies; b++) {
+        for (size_t i = 0; i < c->bodies[b].n_mix; i++) {
+            double one = model_element_mass(&c->materials[c->bodies[b].mix_material[i]], c->bodies[b].radius);
+            double cp = m->kinds[c->bodies[b].mix_material[i]].cp;
+            mass = one > mass ? one : mass;
+            if (isfinite(cp) && 1e5 * one * cp > heat)
+                heat = 1e5 * one * cp;
+        }
+    }
+    mass_total = mass * (double)(m->n_elements > 0 ? m->n_elements : 1);
+    heat = heat > force * r0 ? heat : force * r0;
+    m->fixed = (struct fixed_scales){.far_force = fixed_scale(force, 39), .force = fixed_scale(force, 45),
+                                     .torque = fixed_scale(force * r0, 45), .heat = fixed_scale(heat, 56),
+                                     .virial = fixed_scale(force * r0, 45),
+                                     .energy = fixed_scale(force * r0, 50), .energy_left = 30};
+    double extent = c->size[0] + c->size[1] + fabs(c->origin[0]) + fabs(c->origin[1]);
+    double speed = extent / c->dt; /* nothing moves faster than a cell per step */
+    int e;
+    (void)frexp(force * r0, &e);
+    m->scales.energy = 80 - e;
+    (void)frexp(mass_total * speed, &e);
+    m->scales.momentum = 110 - e;
+    (void)frexp(extent * 1e6 * (double)m->n_elements, &e);
+    m->scales.length = 118 - e;
+    (void)frexp(speed * (double)m->n_elements, &e);
+    m->scales.velocity = 118 - e;
+}
+
+/* omega^2 dt^2 + 2 gamma dt < 4 for the stiffest mode that an element of mass m can have among neighbours of one law:
+ * translation omega^2 = (6 kn + 2 kt)/m, gamma = (6 c_n + 2 c_t)/m; rotation omega^2 = 24 kt/m, gamma = 24 c_t/m; heat:
+ * the shortest wave of the hexagonal lattice, 9 kappa/sqrt(3) / (m cp) dt < 2. */
+static void stable_time_step(struct model *m)
+{
+    const struct config *c = m->config;
+    m->dt_stable = INFINITY;
+    m->dt_mode = "nothing";
+    for (size_t body = 0; body < c->n_bodies; body++) {
+        for (size_t i = 0; i < c->bodies[body].n_mix; i++) {
+            size_t a = (size_t)c->bodies[body].mix_material[i];
+            double mass = model_element_mass(&c->materials[a], c->bodies[body].radius);
+            for (size_t b = 0; b < m->n_kinds; b++) {
+                for (size_t rel = 0; rel < RELATION_COUNT; rel++) {
+                    const struct pair_law *law = model_law(m, a, b, (enum relation)rel);
+                    double kt = law->kt_link > law->kt_contact ? law->kt_link : law->kt_contact;
+                    double root = law->cn_mass >= 0.0 && law->cn > 0.0 ? law->cn_mass / law->cn : sqrt(0.5 * mass);
+                    double omega2[2] = {(6.0 * law->k + 2.0 * kt) / mass, 24.0 * kt / mass};
+                    double gamma[2] = {(6.0 * law->cn + 2.0 * law->ct) * root / mass, 24.0 * law->ct * root / mass};
+                    for (int mode = 0; mode < 2; mode++) {
+                        double g = gamma[mode], o = omega2[mode];
+                        if (!(o > 0.0))
+                            continue;
+                        double dt = (sqrt(g * g + 4.0 * o) - g) / o;
+                        if (dt < m->dt_stable) {
+                            m->dt_stable = dt;
+                            m->dt_mode = mode == 0 ? "translation" : "rotation";
+                        }
+                    }
+                    double cp = m->kinds[a].cp;
+                    if (law->conduction > 0.0 && isfinite(cp)) {
+                        double dt = 2.0 * mass * cp / (9.0 / root3 * law->conduction);
+                        if (dt < m->dt_stable) {
+                            m->dt_stable = dt;
+                            m->dt_mode = "heat conduction";
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+static enum dm2_status count_element(void *context, const struct element *element, struct dm2_error *err)
+{
+    (void)element;
+    (void)err;
+    ++*(size_t *)context;
+    return DM2_OK;
+}
+
+static enum dm2_status check_reach(const struct model *m, struct dm2_error *err)
+{
+    const struct config *c = m->config;
+    for (size_t i = 0; i < m->n_kinds * m->n_kinds * RELATION_COUNT; i++) {
+        const struct pair_law *law = &m->laws[i];
+        double reach = 2.0 * m->radius_max * (law->near && law->link_break > 1.0 ? law->link_break : 1.0);
+        if (law->near && c->r_c < reach)
+            return dm2_fail(err, DM2_DECK,
+                            "r_c = %g cm is below %g cm, the distance up to which elements touch or stay linked "
+                            "(link_break (R_i + R_j)): make r_c at least that",
+                            c->r_c, reach);
+        if (law->cutoff2 > c->r_c * c->r_c)
+            return dm2_fail(err, DM2_DECK, "a cutoff of %g cm is beyond r_c = %g cm: make r_c at least the cutoff",
+                            sqrt(law->cutoff2), c->r_c);
+    }
+    return DM2_OK;
+}
+
+enum dm2_status model_build(const struct config *config, struct model **out, struct dm2_error *err)
+{
+    enum dm2_status status = DM2_MEMORY;
+    struct model *m = mem_zalloc(1, sizeof *m);
+    *out = NULL;
+    if (m == NULL)
+        goto no_memory;
+    m->config = config;
+    m->n_kinds = config->n_materials;
+    m->kinds = mem_zalloc(m->n_kinds, sizeof *m->kinds);
+    m->laws = mem_zalloc(m->n_kinds * m->n_kinds * RELATION_COUNT, sizeof *m->laws);
+    if (m->kinds == NULL || m->laws == NULL)
+        goto no_memory;
+    for (size_t b = 0; b < config->n_bodies; b++)
+        m->radius_max = config->bodies[b].radius > m->radius_max ? config->bodies[b].radius : m->radius_max;
+    for (size_t i = 0; i < m->n_kinds; i++) {
+        const struct material_config *mat = &config->materials[i];
+        m->kinds[i] = (struct kind){.material = (int)i, .t0 = mat->t0, .tm = or_else(mat->tm, INFINITY),
+                                    .softening = mat->softening, .cp = or_else(mat->cp, INFINITY)};
+    }
+    status = build_laws(m, err);
+    if (status == DM2_OK)
+        status = check_reach(m, err);
+    for (size_t i = 0; i < m->n_kinds; i++)
+        m->has_heat |= isfinite(m->kinds[i].tm) && isfinite(m->kinds[i].cp) && m->has_near;
+    if (status == DM2_OK)
+        status = grid_build(config->origin, config->size, config->periodic, config->r_c + config->delta_r, &m->grid, err);
+    if (status == DM2_OK)
+        status = generate_elements(m, count_element, &m->n_elements, err);
+    if (status != DM2_OK) {
+        model_free(m);
+        return status;
+    }
+    choose_scales(m);
+    stable_time_step(m);
+    if (!(config->dt < m->dt_stable)) {
+        status = dm2_fail(err, DM2_DECK,
+                          "the time step dt = %g us is not below the stable one, %g us (limit: %s): choose dt below "
+                          "%.2g us",
+                          config->dt, m->dt_stable, m->dt_mode, 0.8 * m->dt_stable);
+        model_free(m);
+        return status;
+    }
+    *out = m;
+    return DM2_OK;
+no_memory:
+    model_free(m);
+    return dm2_fail(err, DM2_MEMORY, "no memory for the tables of %zu materials", config->n_materials);
+}
+
+void model_free(struct model *m)
+{
+    if (m == NULL)
+        return;
+    free(m->kinds);
+    free(m->laws);
+    free(m);
+}
+
+const struct config *model_config(const struct model *m)
+{
+    return m->config;
+}
+
+const struct grid *model_grid(const struct model *m)
+{
+    return &m->grid;
+}
+
+struct measure_scales model_scales(const struct model *m)
+{
+    return m->scales;
+}
+
+size_t model_elements(const struct model *m)
+{
+    return m->n_elements;
+}
+
+double model_stable_dt(const struct model *m, const char **which)
+{
+    *which = m->dt_mode;
+    return m->dt_stable;
+}
+
+struct cell_counter {
+    const struct grid *grid;
+    uint32_t *counts;
+};
+
+static enum dm2_status count_in_cell(void *context, const struct element *e, struct dm2_error *err)
+{
+    struct cell_counter *counter = context;
+    (void)err;
+    counter->counts[grid_cell(counter->grid, e->r[0], e->r[1])]++;
+    return DM2_OK;
+}
+
+enum dm2_status model_cell_counts(const struct model *m, uint32_t *counts, struct dm2_error *err)
+{
+    struct cell_counter counter = {&m->grid, counts};
+    for (size_t cell = 0; cell < (size_t)m->grid.cx * (size_t)m->grid.cy; cell++)
+        counts[cell] = 0;
+    return generate_elements(m, count_in_cell, &counter, err);
+}

@@ -1,0 +1,139 @@
+/* The arrays of a subdomain. One table lists them, so that growing, freeing and counting cannot forget one. */
+#include "dm2/sim/particles.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dm2/base/mem.h"
+#include "dm2/base/real.h"
+
+struct column {
+    size_t offset; /* of the pointer in struct particles */
+    size_t bytes;  /* per element */
+};
+
+#define COLUMN(field, count) {offsetof(struct particles, field), (count) * sizeof *((struct particles *)0)->field}
+static const struct column columns[] = {
+    COLUMN(r, 2),      COLUMN(v, 2),     COLUMN(w, 1),     COLUMN(radius, 1),  COLUMN(mass, 1),
+    COLUMN(temperature, 1), COLUMN(soft, 1), COLUMN(p, 1), COLUMN(heat, 1),   COLUMN(work, 1),
+    COLUMN(id, 1),     COLUMN(grain, 1), COLUMN(kind, 1),  COLUMN(body, 1),    COLUMN(flags, 1),
+    COLUMN(probes, 1), COLUMN(strain, 3), COLUMN(bonds, 1),
+    /* what only one force evaluation needs */
+    COLUMN(far_sum, 2), COLUMN(pair_sum, SUM_COUNT), COLUMN(virial, 3), COLUMN(links, 1), COLUMN(contacts, 1),
+};
+enum { COLUMNS = sizeof columns / sizeof columns[0], STATE_COLUMNS = COLUMNS - 5 };
+
+static void **column_of(struct particles *p, size_t c)
+{
+    return (void **)(void *)((char *)p + columns[c].offset);
+}
+
+int particles_reserve(struct particles *p, size_t n)
+{
+    if (n <= p->cap)
+        return 0;
+    size_t cap = p->cap == 0 ? n : n + n / 16;
+    void *grown[COLUMNS];
+    for (size_t c = 0; c < COLUMNS; c++) {
+        grown[c] = mem_alloc(cap, columns[c].bytes);
+        if (grown[c] == NULL) {
+            while (c-- > 0)
+                free(grown[c]);
+            return -1;
+        }
+    }
+    for (size_t c = 0; c < COLUMNS; c++) {
+        void **column = column_of(p, c);
+        if (p->n > 0)
+            memcpy(grown[c], *column, p->n * columns[c].bytes);
+        free(*column);
+        *column = grown[c];
+    }
+    p->cap = cap;
+    return 0;
+}
+
+void particles_free(struct particles *p)
+{
+    for (size_t c = 0; c < COLUMNS; c++)
+        free(*column_of(p, c));
+    *p = (struct particles){0};
+}
+
+size_t particles_bytes(const struct particles *p)
+{
+    size_t bytes = 0;
+    for (size_t c = 0; c < COLUMNS; c++)
+        bytes += columns[c].bytes * p->cap;
+    return bytes;
+}
+
+void particles_get(const struct particles *p, size_t i, struct element *out)
+{
+    *out = (struct element){.id = p->id[i], .grain = p->grain[i], .body = p->body[i], .kind = p->kind[i],
+                            .flags = p->flags[i], .probes = p->probes[i], .radius = p->radius[i], .mass = p->mass[i],
+                            .r = {p->r[2 * i], p->r[2 * i + 1]}, .v = {p->v[2 * i], p->v[2 * i + 1]}, .w = p->w[i],
+                            .heat = p->heat[i], .p = p->p[i], .work = p->work[i],
+                            .strain = {p->strain[3 * i], p->strain[3 * i + 1], p->strain[3 * i + 2]},
+                            .bonds = p->bonds[i]};
+}
+
+void particles_put(struct particles *p, const struct model *m, size_t i, const struct element *in)
+{
+    for (int a = 0; a < 2; a++) {
+        p->r[2 * i + (size_t)a] = in->r[a];
+        p->v[2 * i + (size_t)a] = in->v[a];
+    }
+    p->w[i] = in->w;
+    p->radius[i] = in->radius;
+    p->mass[i] = in->mass;
+    p->p[i] = in->p;
+    p->heat[i] = in->heat;
+    p->work[i] = in->work;
+    p->id[i] = in->id;
+    p->grain[i] = in->grain;
+    p->kind[i] = in->kind;
+    p->body[i] = in->body;
+    p->flags[i] = in->flags;
+    p->probes[i] = in->probes;
+    memcpy(p->strain + 3 * i, in->strain, sizeof in->strain);
+    p->bonds[i] = in->bonds;
+    particles_warm(p, m, i);
+}
+
+int particles_permute(struct particles *p, const uint32_t *from, size_t n)
+{
+    if (particles_reserve(p, n) != 0)
+        return -1;
+    char *scratch = mem_alloc(n, 3 * sizeof(double)); /* the widest of the state columns */
+    if (scratch == NULL)
+        return -1;
+    for (size_t c = 0; c < STATE_COLUMNS; c++) {
+        char *column = *column_of(p, c);
+        size_t width = columns[c].bytes;
+        for (size_t k = 0; k < n; k++) {
+            if (from[k] != PARTICLES_NONE)
+                memcpy(scratch + k * width, column + from[k] * width, width);
+        }
+        memcpy(column, scratch, n * width);
+    }
+    free(scratch);
+    return 0;
+}
+
+double particles_softening(const struct kind *kind, double temperature)
+{
+    if (!(temperature > kind->t0) || !isfinite(kind->tm))
+        return 1.0;
+    if (!(temperature < kind->tm))
+        return 0.0;
+    return 1.0 - real_pow((temperature - kind->t0) / (kind->tm - kind->t0), kind->softening);
+}
+
+void particles_warm(struct particles *p, const struct model *m, size_t i)
+{
+    const struct kind *kind = &m->kinds[p->kind[i]];
+    p->temperature[i] = isfinite(kind->cp) ? kind->t0 + p->heat[i] / (p->mass[i] * kind->cp) : kind->t0;
+    p->soft[i] = particles_softening(kind, p->temperature[i]);
+}

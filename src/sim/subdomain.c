@@ -1,0 +1,860 @@
+/* One subdomain: who is in it, and the order of things in a time step. The parts are in their own files: cells.c,
+ * lists.c, force.c, leapfrog.c.
+ *
+ * Invariants between calls: owned elements are slots [0, n_own) in cell order; mirrored ones follow, sorted by
+ * (owner, id), so that each rank's mirrors are one range in the order in which that rank sends their updates: its
+ * send lists are sorted by id. Both sides derive these orders from the elements alone; no ids travel in an update.
+ *
+ * At a rebuild an element's new cell decides its new owner and who mirrors it. The old owner knows the whole
+ * partition, so it sends everything in one parcel per rank: migrants with the memory of their pairs, and mirrors
+ * also of those that it sends away. */
+#include "dm2/sim/subdomain.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dm2/base/clock.h"
+#include "dm2/base/idmap.h"
+#include "dm2/base/mem.h"
+#include "dm2/sim/cells.h"
+#include "dm2/sim/force.h"
+#include "dm2/sim/generate.h"
+#include "dm2/sim/leapfrog.h"
+#include "dm2/sim/lists.h"
+
+struct element_array {
+    struct element *item;
+    size_t n, cap;
+};
+
+struct pair_array {
+    struct pair_record *item;
+    size_t n, cap;
+};
+
+struct slot_array {
+    uint32_t *item;
+    size_t n, cap;
+};
+
+/* What this rank gives to and gets from one other rank. */
+struct peer {
+    struct element_array migrants, mirrors; /* of the parcel being made */
+    struct pair_array pairs;
+    struct slot_array send;                 /* owned slots that it mirrors, by id */
+    size_t mirror_begin, mirror_end;        /* slots mirrored from it */
+};
+
+struct subdomain {
+    const struct model *model;
+    struct domain_map map;
+    int rank;
+    int64_t step;
+    struct cells cells;
+    struct particles p;
+    struct lists lists;
+    struct peer *peers;    /* [ranks] */
+    struct idmap ids;      /* of mirrored elements and immigrants, for the memory of pairs */
+    int32_t *cell_of;      /* global cell of each owned slot at the last sort_out; -1: emigrated */
+    size_t cell_cap;
+    size_t n_leaving;      /* emigrants of the last sort_out, still in their slots until take_in */
+    struct pair_totals totals;
+    bool measured;         /* totals, virial, links and contacts are of the present step */
+    struct subdomain_times times;
+};
+
+static enum dm2_status no_memory(const struct subdomain *sd, struct dm2_error *err)
+{
+    return dm2_fail(err, DM2_MEMORY, "no memory for a subdomain of %zu elements", sd->p.n);
+}
+
+static int add_element(struct element_array *a, const struct element *e)
+{
+    void *block = a->item;
+    int status = mem_grow(&block, &a->cap, a->n, a->n + 1, sizeof *a->item);
+    a->item = block;
+    if (status == 0)
+        a->item[a->n++] = *e;
+    return status;
+}
+
+static int add_pair(struct pair_array *a, const struct pair_record *pair)
+{
+    void *block = a->item;
+    int status = mem_grow(&block, &a->cap, a->n, a->n + 1, sizeof *a->item);
+    a->item = block;
+    if (status == 0)
+        a->item[a->n++] = *pair;
+    return status;
+}
+
+static int add_slot(struct slot_array *a, uint32_t slot)
+{
+    void *block = a->item;
+    int status = mem_grow(&block, &a->cap, a->n, a->n + 1, sizeof *a->item);
+    a->item = block;
+    if (status == 0)
+        a->item[a->n++] = slot;
+    return status;
+}
+
+static int cell_of_element(const struct subdomain *sd, const double r[2])
+{
+    return grid_cell(sd->map.grid, r[0], r[1]);
+}
+
+/* --- taking elements in ---------------------------------------------------------------------------------------- */
+
+struct keyed {
+    uint64_t key; /* owner, id */
+    const struct element *e;
+};
+
+static int by_key(const void *a, const void *b)
+{
+    const struct keyed *ka = a, *kb = b;
+    return ka->key < kb->key ? -1 : ka->key > kb->key;
+}
+
+/* Counts per own cell, then new slots: stayers first in a cell, then newcomers. from[slot] is the old slot or
+ * PARTICLES_NONE; newcomer_slot[k] where newcomer k goes; moved[old slot] is the new slot of a stayer. */
+static void assign_slots(struct subdomain *sd, size_t n_old, const struct element *const *newcomers, size_t n_new,
+                         uint32_t *from, uint32_t *newcomer_slot, uint32_t *moved)
+{
+    struct cells *c = &sd->cells;
+    memset(c->start, 0, ((size_t)c->n_own + 1) * sizeof *c->start);
+    for (size_t i = 0; i < n_old; i++) {
+        if (sd->cell_of[i] >= 0)
+            c->start[c->local_of[sd->cell_of[i]] + 1]++;
+    }
+    for (size_t k = 0; k < n_new; k++)
+        c->start[c->local_of[cell_of_element(sd, newcomers[k]->r)] + 1]++;
+    for (int cell = 0; cell < c->n_own; cell++)
+        c->start[cell + 1] += c->start[cell];
+    /* start[cell] is used as the cursor of its cell and ends as start[cell + 1]; then all are shifted back. */
+    for (size_t i = 0; i < n_old; i++) {
+        moved[i] = PARTICLES_NONE;
+        if (sd->cell_of[i] < 0)
+            continue;
+        uint32_t slot = c->start[c->local_of[sd->cell_of[i]]]++;
+        from[slot] = (uint32_t)i;
+        moved[i] = slot;
+    }
+    for (size_t k = 0; k < n_new; k++) {
+        uint32_t slot = c->start[c->local_of[cell_of_element(sd, newcomers[k]->r)]]++;
+        from[slot] = PARTICLES_NONE;
+        newcomer_slot[k] = slot;
+    }
+    for (int cell = c->n_own; cell > 0; cell--)
+        c->start[cell] = c->start[cell - 1];
+    c->start[0] = 0;
+}
+
+/* Puts the mirrors into slots from n_own on, sorted by (owner, id), and notes each rank's range. */
+static enum dm2_status place_mirrors(struct subdomain *sd, struct keyed *mirrors, size_t n, struct dm2_error *err)
+{
+    int32_t *cells = mem_alloc(n, sizeof *cells);
+    if (cells == NULL)
+        return no_memory(sd, err);
+    qsort(mirrors, n, sizeof *mirrors, by_key);
+    for (int r = 0; r < sd->map.ranks; r++)
+        sd->peers[r].mirror_begin = sd->peers[r].mirror_end = 0;
+    enum dm2_status status = DM2_OK;
+    for (size_t k = 0; k < n && status == DM2_OK; k++) {
+        size_t slot = sd->p.n_own + k, owner = (size_t)(mirrors[k].key >> 32);
+        struct peer *peer = &sd->peers[owner];
+        if (peer->mirror_end == 0)
+            peer->mirror_begin = slot;
+        peer->mirror_end = slot + 1;
+        cells[k] = cell_of_element(sd, mirrors[k].e->r);
+        particles_put(&sd->p, sd->model, slot, mirrors[k].e);
+        if (!idmap_add(&sd->ids, mirrors[k].e->id, (int32_t)slot))
+            status = dm2_fail(err, DM2_PROTOCOL, "step %lld: element %u came twice to server %d", (long long)sd->step,
+                              mirrors[k].e->id, sd->rank);
+    }
+    if (status == DM2_OK && cells_assign_mirrored(&sd->cells, &sd->p, cells) != 0)
+        status = no_memory(sd, err);
+    free(cells);
+    return status;
+}
+
+struct id_slot {
+    uint32_t id, slot;
+};
+
+static int by_id(const void *a, const void *b)
+{
+    const struct id_slot *ia = a, *ib = b;
+    return ia->id < ib->id ? -1 : ia->id > ib->id;
+}
+
+static int sort_slots_by_id(const struct particles *p, uint32_t *slots, size_t n)
+{
+    struct id_slot *order = mem_alloc(n, sizeof *order);
+    if (order == NULL)
+        return -1;
+    for (size_t k = 0; k < n; k++)
+        order[k] = (struct id_slot){p->id[slots[k]], slots[k]};
+    qsort(order, n, sizeof *order, by_id);
+    for (size_t k = 0; k < n; k++)
+        slots[k] = order[k].slot;
+    free(order);
+    return 0;
+}
+
+/* Which owned elements each rank mirrors: those in own cells that it sees (the inner boundary). */
+static int build_send_lists(struct subdomain *sd)
+{
+    const struct cells *c = &sd->cells;
+    for (int r = 0; r < sd->map.ranks; r++)
+        sd->peers[r].send.n = 0;
+    for (int own = 0; own < c->n_own; own++) {
+        uint16_t ranks[8];
+        if (!c->seen_by[c->global_of[own]])
+            continue;
+        int n = cells_mirrored_by(&sd->map, c->global_of[own], ranks);
+        for (int k = 0; k < n; k++) {
+            for (uint32_t i = c->start[own]; i < c->start[own + 1]; i++) {
+                if (add_slot(&sd->peers[ranks[k]].send, i) != 0)
+                    return -1;
+            }
+        }
+    }
+    for (int r = 0; r < sd->map.ranks; r++) {
+        if (sort_slots_by_id(&sd->p, sd->peers[r].send.item, sd->peers[r].send.n) != 0)
+            return -1;
+    }
+    return 0;
+}
+
+/* New slot of an element that was in old slot i: a stayer's, else that of the newcomer or mirror of its id. */
+static int32_t new_slot(const struct subdomain *sd, const uint32_t *moved, size_t n_old, size_t i, uint32_t id)
+{
+    if (i < n_old && moved[i] != PARTICLES_NONE)
+        return (int32_t)moved[i];
+    return idmap_find(&sd->ids, id);
+}
+
+struct carried_array {
+    struct carried_pair *item;
+    size_t n, cap;
+};
+
+/* Keeps the memory of a pair if both elements are here and one is owned. */
+static int carry(const struct subdomain *sd, struct carried_array *out, int32_t a, int32_t b, bool linked, double stretch,
+                 double spring)
+{
+    if (a < 0 || b < 0)
+        return 0;
+    uint32_t low = (uint32_t)(a < b ? a : b), high = (uint32_t)(a < b ? b : a);
+    if (low >= sd->p.n_own)
+        return 0;
+    void *block = out->item;
+    int status = mem_grow(&block, &out->cap, out->n, out->n + 1, sizeof *out->item);
+    out->item = block;
+    if (status == 0)
+        out->item[out->n++] =
+            (struct carried_pair){.a = low, .b = high, .linked = linked, .stretch = stretch, .spring = spring};
+    return status;
+}
+
+/* What the lists remember, in new slots. old_id[] are the ids of all old slots, mirrored ones too. */
+static int carry_memory(const struct subdomain *sd, size_t n_old, const uint32_t *moved, const uint32_t *old_id,
+                        struct carried_array *out)
+{
+    const struct lists *l = &sd->lists;
+    for (size_t i = 0; i < n_old; i++) {
+        for (uint32_t k = l->near.start[i]; k < l->near.start[i + 1]; k++) {
+            if (!lists_remembers(l, k))
+                continue;
+            size_t j = l->near.j[k];
+            if (carry(sd, out, new_slot(sd, moved, n_old, i, old_id[i]), new_slot(sd, moved, n_old, j, old_id[j]),
+                      l->linked[k], l->stretch[k], l->spring[k]) != 0)
+                return -1;
+        }
+    }
+    return 0;
+}
+
+/* New slot by id alone: mirrors and newcomers are in the map; stayers are looked up among `stayers`, sorted by id. */
+static int32_t slot_of_id(const struct subdomain *sd, const struct id_slot *stayers, size_t n, uint32_t id)
+{
+    struct id_slot key = {.id = id};
+    int32_t slot = idmap_find(&sd->ids, id);
+    if (slot >= 0 || n == 0)
+        return slot;
+    const struct id_slot *found = bsearch(&key, stayers, n, sizeof *stayers, by_id);
+    return found != NULL ? (int32_t)found->slot : -1;
+}
+
+static int carry_parcels(const struct subdomain *sd, const struct parcel *parcels, size_t n_parcels,
+                         const uint32_t *moved, const uint32_t *old_id, size_t n_old, struct carried_array *out)
+{
+    size_t pairs = 0, n = 0;
+    for (size_t q = 0; q < n_parcels; q++)
+        pairs += parcels[q].n_pairs;
+    if (pairs == 0)
+        return 0;
+    struct id_slot *stayers = mem_alloc(n_old, sizeof *stayers);
+    if (stayers == NULL)
+        return -1;
+    for (size_t i = 0; i < n_old; i++) {
+        if (moved[i] != PARTICLES_NONE)
+            stayers[n++] = (struct id_slot){old_id[i], moved[i]};
+    }
+    qsort(stayers, n, sizeof *stayers, by_id);
+    int status = 0;
+    for (size_t q = 0; q < n_parcels && status == 0; q++) {
+        for (size_t k = 0; k < parcels[q].n_pairs && status == 0; k++) {
+            const struct pair_record *pair = &parcels[q].pairs[k];
+            status = carry(sd, out, slot_of_id(sd, stayers, n, pair->id_a), slot_of_id(sd, stayers, n, pair->id_b),
+                           pair->linked != 0, pair->stretch, pair->spring);
+        }
+    }
+    free(stayers);
+    return status;
+}
+
+/* Everything that take_in gathers before it changes the arrays. */
+struct intake {
+    const struct element **newcomers;
+    struct keyed *mirrors;
+    size_t n_newcomers, n_mirrors;
+};
+
+static enum dm2_status gather(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels, struct intake *in,
+                              struct dm2_error *err)
+{
+    size_t most_new = 0, most_mirrors = 0;
+    for (size_t q = 0; q < n_parcels; q++) {
+        most_new += parcels[q].n_migrants;
+        most_mirrors += parcels[q].n_mirrors;
+    }
+    in->newcomers = mem_alloc(most_new, sizeof *in->newcomers);
+    in->mirrors = mem_alloc(most_mirrors, sizeof *in->mirrors);
+    if (in->newcomers == NULL || in->mirrors == NULL)
+        return no_memory(sd, err);
+    for (size_t q = 0; q < n_parcels; q++) {
+        for (size_t k = 0; k < parcels[q].n_migrants; k++) {
+            const struct element *e = &parcels[q].migrants[k];
+            if (e->kind >= sd->model->n_kinds || sd->map.owner[cell_of_element(sd, e->r)] != sd->rank)
+                return dm2_fail(err, DM2_PROTOCOL, "step %lld: element %u at (%g, %g) cm came to server %d, which does not own "
+                                "its cell", (long long)sd->step, e->id, e->r[0], e->r[1], sd->rank);
+            in->newcomers[in->n_newcomers++] = e;
+        }
+        for (size_t k = 0; k < parcels[q].n_mirrors; k++) {
+            const struct element *e = &parcels[q].mirrors[k];
+            int cell = cell_of_element(sd, e->r);
+            if (e->kind >= sd->model->n_kinds || sd->cells.local_of[cell] < sd->cells.n_own)
+                return dm2_fail(err, DM2_PROTOCOL, "step %lld: element %u at (%g, %g) cm came as a mirror to server %d, which does "
+                                "not mirror its cell", (long long)sd->step, e->id, e->r[0], e->r[1], sd->rank);
+            in->mirrors[in->n_mirrors++] = (struct keyed){(uint64_t)sd->map.owner[cell] << 32 | e->id, e};
+        }
+    }
+    return DM2_OK;
+}
+
+/* The whole of a rebuild's second half; at the start, with nothing old, the whole set-up. */
+static enum dm2_status settle(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels, bool initial,
+                              struct dm2_error *err)
+{
+    size_t n_old = sd->p.n_own, n_all_old = sd->p.n, stayers = 0;
+    struct intake in = {0};
+    struct carried_array carried = {0};
+    uint32_t *from = NULL, *newcomer_slot = NULL, *moved = NULL, *old_id = NULL;
+    enum dm2_status status = gather(sd, parcels, n_parcels, &in, err);
+    if (status != DM2_OK)
+        goto done;
+    for (size_t i = 0; i < n_old; i++)
+        stayers += sd->cell_of[i] >= 0;
+    size_t n_own = stayers + in.n_newcomers, n = n_own + in.n_mirrors;
+    if (n > INT32_MAX) {
+        status = dm2_fail(err, DM2_NUMERIC, "a subdomain holds more than 2^31 elements: use more servers");
+        goto done;
+    }
+    from = mem_alloc(n, sizeof *from);
+    newcomer_slot = mem_alloc(in.n_newcomers, sizeof *newcomer_slot);
+    moved = mem_alloc(n_old, sizeof *moved);
+    old_id = mem_alloc(n_all_old, sizeof *old_id);
+    status = DM2_MEMORY;
+    if (from == NULL || newcomer_slot == NULL || moved == NULL || old_id == NULL ||
+        idmap_prepare(&sd->ids, in.n_newcomers + in.n_mirrors) != 0)
+        goto done;
+    if (n_all_old > 0)
+        memcpy(old_id, sd->p.id, n_all_old * sizeof *old_id);
+    assign_slots(sd, n_old, in.newcomers, in.n_newcomers, from, newcomer_slot, moved);
+    for (size_t k = n_own; k < n; k++)
+        from[k] = PARTICLES_NONE;
+    if (particles_permute(&sd->p, from, n) != 0)
+        goto done;
+    sd->p.n_own = n_own;
+    sd->p.n = n;
+    sd->n_leaving = 0;
+    for (size_t k = 0; k < in.n_newcomers; k++) {
+        particles_put(&sd->p, sd->model, newcomer_slot[k], in.newcomers[k]);
+        if (!idmap_add(&sd->ids, in.newcomers[k]->id, (int32_t)newcomer_slot[k])) {
+            status = dm2_fail(err, DM2_PROTOCOL, "step %lld: element %u came twice to server %d", (long long)sd->step,
+                              in.newcomers[k]->id, sd->rank);
+            goto done;
+        }
+    }
+    status = place_mirrors(sd, in.mirrors, in.n_mirrors, err);
+    if (status != DM2_OK)
+        goto done;
+    status = DM2_MEMORY;
+    if ((!initial && carry_memory(sd, n_old, moved, old_id, &carried) != 0) ||
+        carry_parcels(sd, parcels, n_parcels, moved, old_id, n_old, &carried) != 0 || build_send_lists(sd) != 0)
+        goto done;
+    status = lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, carried.item, carried.n, initial, err);
+done:
+    free(in.newcomers);
+    free(in.mirrors);
+    free(carried.item);
+    free(from);
+    free(newcomer_slot);
+    free(moved);
+    free(old_id);
+    if (status == DM2_MEMORY)
+        return no_memory(sd, err);
+    return status;
+}
+
+/* --- creation -------------------------------------------------------------------------------------------------- */
+
+static enum dm2_status begin(const struct model *model, const struct domain_map *map, int rank, int64_t step,
+                             struct subdomain **out, struct dm2_error *err)
+{
+    struct subdomain *sd = mem_zalloc(1, sizeof *sd);
+    *out = sd;
+    if (sd == NULL)
+        return dm2_fail(err, DM2_MEMORY, "no memory for a subdomain");
+    sd->model = model;
+    sd->map = *map;
+    sd->rank = rank;
+    sd->step = step;
+    sd->peers = mem_zalloc((size_t)map->ranks, sizeof *sd->peers);
+    if (sd->peers == NULL)
+        return no_memory(sd, err);
+    return cells_build(&sd->cells, map, rank, err);
+}
+
+/* Sorts elements into what is owned and what is mirrored here. */
+struct chooser {
+    struct subdomain *sd;
+    struct element_array own, mirrors;
+};
+
+static enum dm2_status choose(void *context, const struct element *e, struct dm2_error *err)
+{
+    struct chooser *c = context;
+    int32_t local = c->sd->cells.local_of[cell_of_element(c->sd, e->r)];
+    if (local < 0)
+        return DM2_OK;
+    if (add_element(local < c->sd->cells.n_own ? &c->own : &c->mirrors, e) != 0)
+        return no_memory(c->sd, err);
+    return DM2_OK;
+}
+
+static enum dm2_status settle_chosen(struct subdomain *sd, const struct chooser *chosen, const struct pair_record *pairs,
+                                     size_t n_pairs, bool initial, struct dm2_error *err)
+{
+    struct parcel parcel = {.migrants = chosen->own.item, .n_migrants = chosen->own.n, .mirrors = chosen->mirrors.item,
+                            .n_mirrors = chosen->mirrors.n, .pairs = (struct pair_record *)pairs, .n_pairs = n_pairs};
+    return settle(sd, &parcel, 1, initial, err);
+}
+
+/* How many links each owned element starts with. */
+static void count_bonds(struct subdomain *sd)
+{
+    const struct lists *l = &sd->lists;
+    for (size_t i = 0; i < sd->p.n_own; i++) {
+        for (uint32_t k = l->near.start[i]; k < l->near.start[i + 1]; k++) {
+            sd->p.bonds[i] = (uint16_t)(sd->p.bonds[i] + l->linked[k]);
+            sd->p.bonds[l->near.j[k]] = (uint16_t)(sd->p.bonds[l->near.j[k]] + l->linked[k]);
+        }
+    }
+}
+
+enum dm2_status subdomain_create(const struct model *model, const struct domain_map *map, int rank,
+                                 struct subdomain **out, struct dm2_error *err)
+{
+    double started = clock_now();
+    enum dm2_status status = begin(model, map, rank, 0, out, err);
+    struct chooser chosen = {.sd = *out};
+    if (status == DM2_OK)
+        status = generate_elements(model, choose, &chosen, err);
+    if (status == DM2_OK)
+        status = settle_chosen(*out, &chosen, NULL, 0, true, err);
+    free(chosen.own.item);
+    free(chosen.mirrors.item);
+    if (status != DM2_OK) {
+        subdomain_free(*out);
+        *out = NULL;
+        return status;
+    }
+    count_bonds(*out);
+    (*out)->times.rebuild += clock_now() - started;
+    return DM2_OK;
+}
+
+enum dm2_status subdomain_restore(const struct model *model, const struct domain_map *map, int rank, int64_t step,
+                                  const struct element *elements, size_t n_elements,
+                                  const struct pair_record *pairs, size_t n_pairs, struct subdomain **out,
+                                  struct dm2_error *err)
+{
+    enum dm2_status status = begin(model, map, rank, step, out, err);
+    struct chooser chosen = {.sd = *out};
+    for (size_t k = 0; k < n_elements && status == DM2_OK; k++)
+        status = choose(&chosen, &elements[k], err);
+    /* The pairs' elements are all newcomers or mirrors, so every id is in the map. */
+    if (status == DM2_OK)
+        status = settle_chosen(*out, &chosen, pairs, n_pairs, false, err);
+    free(chosen.own.item);
+    free(chosen.mirrors.item);
+    if (status != DM2_OK) {
+        subdomain_free(*out);
+        *out = NULL;
+    }
+    return status;
+}
+
+void subdomain_free(struct subdomain *sd)
+{
+    if (sd == NULL)
+        return;
+    for (int r = 0; sd->peers != NULL && r < sd->map.ranks; r++) {
+        free(sd->peers[r].migrants.item);
+        free(sd->peers[r].mirrors.item);
+        free(sd->peers[r].pairs.item);
+        free(sd->peers[r].send.item);
+    }
+    free(sd->peers);
+    cells_free(&sd->cells);
+    particles_free(&sd->p);
+    lists_free(&sd->lists);
+    idmap_free(&sd->ids);
+    free(sd->cell_of);
+    free(sd);
+}
+
+int64_t subdomain_step(const struct subdomain *sd)
+{
+    return sd->step;
+}
+
+size_t subdomain_owned(const struct subdomain *sd)
+{
+    return sd->p.n_own - sd->n_leaving;
+}
+
+size_t subdomain_mirrored(const struct subdomain *sd)
+{
+    return sd->p.n - sd->p.n_own;
+}
+
+size_t subdomain_bytes(const struct subdomain *sd)
+{
+    size_t bytes = sizeof *sd + particles_bytes(&sd->p) + lists_bytes(&sd->lists) + cells_bytes(&sd->cells, &sd->map) +
+                   sd->cell_cap * sizeof *sd->cell_of + sd->ids.slots * 8;
+    for (int r = 0; r < sd->map.ranks; r++)
+        bytes += sd->peers[r].send.cap * sizeof(uint32_t) +
+                 (sd->peers[r].migrants.cap + sd->peers[r].mirrors.cap) * sizeof(struct element) +
+                 sd->peers[r].pairs.cap * sizeof(struct pair_record);
+    return bytes;
+}
+
+/* --- a time step ----------------------------------------------------------------------------------------------- */
+
+enum dm2_status subdomain_forces(struct subdomain *sd, bool measure, struct dm2_error *err)
+{
+    double started = clock_now();
+    bool totals = measure || sd->model->has_pressure;
+    enum dm2_status status =
+        force_evaluate(sd->model, &sd->p, &sd->lists, leapfrog_kick_time(sd->model, sd->step),
+                       leapfrog_path_time(sd->model, sd->step), totals ? &sd->totals : NULL, sd->step, err);
+    if (status == DM2_OK && sd->model->has_pressure)
+        leapfrog_set_pressure(sd->model, &sd->p);
+    sd->measured = totals;
+    sd->times.forces += clock_now() - started;
+    return status;
+}
+
+static enum dm2_status integrate(struct subdomain *sd, bool drift, double *dmax, struct measures *out,
+                                 struct dm2_error *err)
+{
+    double started = clock_now();
+    if (out != NULL) {
+        measures_clear(out);
+        out->potential = sd->totals.potential;
+        out->elastic = sd->totals.elastic;
+        out->links = sd->totals.links;
+        out->contacts = sd->totals.contacts;
+    }
+    enum dm2_status status = leapfrog_move(sd->model, &sd->p, sd->step, drift, dmax, out, err);
+    sd->times.integrate += clock_now() - started;
+    return status;
+}
+
+enum dm2_status subdomain_move(struct subdomain *sd, double *dmax, struct measures *out, struct dm2_error *err)
+{
+    enum dm2_status status = integrate(sd, true, dmax, out, err);
+    sd->step++;
+    sd->measured = false;
+    return status;
+}
+
+enum dm2_status subdomain_measure_last(struct subdomain *sd, struct measures *out, struct dm2_error *err)
+{
+    return integrate(sd, false, NULL, out, err);
+}
+
+/* --- update ---------------------------------------------------------------------------------------------------- */
+
+unsigned subdomain_update_fields(const struct model *m)
+{
+    return (m->has_damping ? UPDATE_VELOCITY : 0u) | (m->has_spin ? UPDATE_SPIN : 0u) | (m->has_heat ? UPDATE_HEAT : 0u) |
+           (m->has_pressure ? UPDATE_PRESSURE : 0u);
+}
+
+size_t subdomain_update_width(const struct model *m)
+{
+    return 2u + (m->has_damping ? 2u : 0u) + (m->has_spin ? 1u : 0u) + (m->has_heat ? 1u : 0u) + (m->has_pressure ? 1u : 0u);
+}
+
+size_t subdomain_send_count(const struct subdomain *sd, int dest)
+{
+    return sd->peers[dest].send.n;
+}
+
+size_t subdomain_receive_count(const struct subdomain *sd, int src)
+{
+    return sd->peers[src].mirror_end - sd->peers[src].mirror_begin;
+}
+
+void subdomain_pack_update(const struct subdomain *sd, int dest, double *out)
+{
+    const struct particles *p = &sd->p;
+    const struct model *m = sd->model;
+    const struct slot_array *send = &sd->peers[dest].send;
+    for (size_t k = 0; k < send->n; k++) {
+        size_t i = send->item[k];
+        *out++ = p->r[2 * i];
+        *out++ = p->r[2 * i + 1];
+        if (m->has_damping) {
+            *out++ = p->v[2 * i];
+            *out++ = p->v[2 * i + 1];
+        }
+        if (m->has_spin)
+            *out++ = p->w[i];
+        if (m->has_heat)
+            *out++ = p->heat[i];
+        if (m->has_pressure)
+            *out++ = p->p[i];
+    }
+}
+
+enum dm2_status subdomain_take_update(struct subdomain *sd, int src, const double *in, struct dm2_error *err)
+{
+    struct particles *p = &sd->p;
+    const struct model *m = sd->model;
+    size_t width = subdomain_update_width(m);
+    for (size_t i = sd->peers[src].mirror_begin; i < sd->peers[src].mirror_end; i++, in += width) {
+        double check = 0.0;
+        for (size_t k = 0; k < width; k++)
+            check += in[k] * 0.0; /* NaN where a value is not finite */
+        if (check != 0.0 || check != check)
+            return dm2_fail(err, DM2_NUMERIC, "step %lld: the update of element %u from server %d is not finite",
+                            (long long)sd->step, p->id[i], src);
+        size_t k = 2;
+        p->r[2 * i] = in[0];
+        p->r[2 * i + 1] = in[1];
+        if (m->has_damping) {
+            p->v[2 * i] = in[k++];
+            p->v[2 * i + 1] = in[k++];
+        }
+        if (m->has_spin)
+            p->w[i] = in[k++];
+        if (m->has_heat) {
+            p->heat[i] = in[k++];
+            particles_warm(p, m, i);
+        }
+        if (m->has_pressure)
+            p->p[i] = in[k++];
+    }
+    return DM2_OK;
+}
+
+/* --- rebuild --------------------------------------------------------------------------------------------------- */
+
+/* Adds the element to the parcels of everyone who mirrors its new cell. */
+static int mirror_to_all(struct subdomain *sd, int cell, const struct element *e)
+{
+    uint16_t ranks[8];
+    int n = cells_mirrored_by(&sd->map, cell, ranks);
+    for (int k = 0; k < n; k++) {
+        if (add_element(&sd->peers[ranks[k]].mirrors, e) != 0)
+            return -1;
+    }
+    return 0;
+}
+
+/* The memory of every pair of an emigrant goes where the emigrant goes. */
+static int send_memory(struct subdomain *sd, const int32_t *destination)
+{
+    const struct lists *l = &sd->lists;
+    const struct particles *p = &sd->p;
+    for (size_t i = 0; i < p->n_own; i++) {
+        for (uint32_t k = l->near.start[i]; k < l->near.start[i + 1]; k++) {
+            size_t j = l->near.j[k];
+            int32_t to[2] = {destination[i], j < p->n_own ? destination[j] : -1};
+            if ((to[0] < 0 && to[1] < 0) || !lists_remembers(l, k))
+                continue;
+            uint32_t a = p->id[i] < p->id[j] ? p->id[i] : p->id[j], b = p->id[i] < p->id[j] ? p->id[j] : p->id[i];
+            struct pair_record pair = {.id_a = a, .id_b = b, .linked = l->linked[k], .stretch = l->stretch[k],
+                                       .spring = l->spring[k]};
+            for (int e = 0; e < 2; e++) {
+                if (to[e] >= 0 && (e == 0 || to[1] != to[0]) && add_pair(&sd->peers[to[e]].pairs, &pair) != 0)
+                    return -1;
+            }
+        }
+    }
+    return 0;
+}
+
+enum dm2_status subdomain_sort_out(struct subdomain *sd, struct parcel *parcels, struct dm2_error *err)
+{
+    double started = clock_now();
+    size_t n = sd->p.n_own;
+    void *cells = sd->cell_of;
+    int32_t *destination = NULL;
+    for (int r = 0; r < sd->map.ranks; r++)
+        sd->peers[r].migrants.n = sd->peers[r].mirrors.n = sd->peers[r].pairs.n = 0;
+    if (mem_grow(&cells, &sd->cell_cap, 0, n, sizeof *sd->cell_of) != 0)
+        return no_memory(sd, err);
+    sd->cell_of = cells;
+    destination = mem_alloc(sd->map.ranks > 1 ? n : 0, sizeof *destination);
+    if (destination == NULL)
+        return no_memory(sd, err);
+    for (size_t i = 0; i < n; i++) {
+        int cell = grid_cell(sd->map.grid, sd->p.r[2 * i], sd->p.r[2 * i + 1]);
+        sd->cell_of[i] = cell;
+        if (sd->map.ranks == 1)
+            continue;
+        int owner = sd->map.owner[cell];
+        destination[i] = -1;
+        if (owner == sd->rank && !sd->cells.seen_by[cell])
+            continue;
+        struct element e;
+        particles_get(&sd->p, i, &e);
+        int failed = sd->cells.seen_by[cell] ? mirror_to_all(sd, cell, &e) : 0;
+        if (owner != sd->rank) {
+            sd->n_leaving++;
+            destination[i] = owner;
+            failed |= add_element(&sd->peers[owner].migrants, &e);
+        }
+        if (failed != 0) {
+            free(destination);
+            return no_memory(sd, err);
+        }
+    }
+    int failed = sd->n_leaving > 0 ? send_memory(sd, destination) : 0;
+    for (size_t i = 0; i < n && sd->n_leaving > 0; i++) {
+        if (destination[i] >= 0)
+            sd->cell_of[i] = -1;
+    }
+    free(destination);
+    if (failed != 0)
+        return no_memory(sd, err);
+    for (int r = 0; r < sd->map.ranks; r++) {
+        const struct peer *peer = &sd->peers[r];
+        parcels[r] = (struct parcel){.migrants = peer->migrants.item, .n_migrants = peer->migrants.n,
+                                     .pairs = peer->pairs.item, .n_pairs = peer->pairs.n,
+                                     .mirrors = peer->mirrors.item, .n_mirrors = peer->mirrors.n};
+    }
+    sd->times.rebuild += clock_now() - started;
+    return DM2_OK;
+}
+
+enum dm2_status subdomain_take_in(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels,
+                                  struct dm2_error *err)
+{
+    double started = clock_now();
+    enum dm2_status status = settle(sd, parcels, n_parcels, false, err);
+    sd->times.rebuild += clock_now() - started;
+    sd->times.rebuilds++;
+    return status;
+}
+
+/* --- states ---------------------------------------------------------------------------------------------------- */
+
+enum dm2_status subdomain_collect(const struct subdomain *sd, struct element *elements,
+                                  struct element_measure *measured, struct dm2_error *err)
+{
+    const struct particles *p = &sd->p;
+    uint32_t *order = mem_alloc(p->n_own, sizeof *order);
+    if (order == NULL)
+        return no_memory(sd, err);
+    for (size_t i = 0; i < p->n_own; i++)
+        order[i] = (uint32_t)i;
+    if (sort_slots_by_id(p, order, p->n_own) != 0) {
+        free(order);
+        return no_memory(sd, err);
+    }
+    for (size_t k = 0; k < p->n_own; k++) {
+        size_t i = order[k];
+        particles_get(p, i, &elements[k]);
+        if (measured == NULL)
+            continue;
+        double w;
+        struct element_measure *out = &measured[k];
+        leapfrog_stress(sd->model, p, i, out->stress);
+        leapfrog_whole_velocity(sd->model, p, i, sd->step, out->velocity, &w);
+        out->temperature = p->temperature[i];
+        out->links = p->links[i];
+        out->contacts = p->contacts[i];
+    }
+    free(order);
+    return DM2_OK;
+}
+
+static int by_ids(const void *a, const void *b)
+{
+    const struct pair_record *pa = a, *pb = b;
+    if (pa->id_a != pb->id_a)
+        return pa->id_a < pb->id_a ? -1 : 1;
+    return pa->id_b < pb->id_b ? -1 : pa->id_b > pb->id_b;
+}
+
+enum dm2_status subdomain_collect_pairs(const struct subdomain *sd, struct pair_record **pairs, size_t *n_pairs,
+                                        struct dm2_error *err)
+{
+    const struct lists *l = &sd->lists;
+    const struct particles *p = &sd->p;
+    struct pair_array out = {0};
+    for (size_t i = 0; i < p->n_own; i++) {
+        for (uint32_t k = l->near.start[i]; k < l->near.start[i + 1]; k++) {
+            size_t j = l->near.j[k];
+            if (!lists_remembers(l, k) || (j >= p->n_own && p->id[j] < p->id[i]))
+                continue;
+            bool ordered = p->id[i] < p->id[j];
+            struct pair_record pair = {.id_a = ordered ? p->id[i] : p->id[j], .id_b = ordered ? p->id[j] : p->id[i],
+                                       .linked = l->linked[k], .stretch = l->stretch[k], .spring = l->spring[k]};
+            if (add_pair(&out, &pair) != 0) {
+                free(out.item);
+                return no_memory(sd, err);
+            }
+        }
+    }
+    if (out.n > 0)
+        qsort(out.item, out.n, sizeof *out.item, by_ids);
+    *pairs = out.item;
+    *n_pairs = out.n;
+    return DM2_OK;
+}
+
+void subdomain_take_times(struct subdomain *sd, struct subdomain_times *out)
+{
+    *out = sd->times;
+    sd->times = (struct subdomain_times){0};
+}

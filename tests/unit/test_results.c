@@ -1,0 +1,342 @@
+/* The run directory: names, the history's columns and values, overwriting, aborting, and a disk that is full.
+ */
+#include "check.h"
+#include "fake_state.h"
+#include "scratch.h"
+
+#include <dirent.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+#include "dm2/base/csv.h"
+#include "dm2/base/exact.h"
+#include "dm2/plot/vtp_reader.h"
+#include "dm2/sim/results.h"
+#include "dm2/sim/state.h"
+
+static const uint8_t digest[RESULTS_DIGEST_BYTES] = {9, 8, 7};
+static const struct measure_scales scales = {.energy = 80, .momentum = 80, .length = 60, .velocity = 80};
+
+static struct results *open_results(const struct fake *f, const char *name, bool overwrite)
+{
+    struct results *r;
+    struct dm2_error err = {0};
+    CHECK_EQ_INT(results_open(scratch_path(name), overwrite, &f->config, scales, digest, &r, &err), DM2_OK);
+    CHECK_STR(err.text, "");
+    if (r == NULL)
+        exit(1);
+    return r;
+}
+
+static struct measures some_measures(void)
+{
+    struct measures m;
+    measures_clear(&m);
+    exact_add(&m.kinetic, 1.25, scales.energy);
+    exact_add(&m.potential, 0.5, scales.energy);
+    exact_add(&m.elastic, 0.125, scales.energy);
+    exact_add(&m.thermal, 0x1p-30, scales.energy);
+    exact_add(&m.work, 0.0625, scales.energy);
+    exact_add(&m.momentum[0], -3, scales.momentum);
+    exact_add(&m.momentum[1], 0.1, scales.momentum);
+    exact_add(&m.angular, 7, scales.momentum);
+    m.elements = 1689;
+    m.links = 4903;
+    m.contacts = 12;
+    m.t_max = 311.5;
+    m.p_min = -0.25;
+    m.p_max = 0.75;
+    m.probe[0].count = 4;
+    exact_add(&m.probe[0].r[0], 8, scales.length);
+    exact_add(&m.probe[0].r[1], 1, scales.length);
+    exact_add(&m.probe[0].v[0], -2, scales.velocity);
+    exact_add(&m.probe[0].v[1], 0.5, scales.velocity);
+    return m;
+}
+
+/* Entries of a directory other than . and .. ; -1: there is none. */
+static int entries(const char *name)
+{
+    DIR *dir = opendir(scratch_path(name));
+    int n = 0;
+    if (dir == NULL)
+        return -1;
+    while (readdir(dir) != NULL)
+        n++;
+    closedir(dir);
+    return n - 2;
+}
+
+TEST(default_directory)
+{
+    static const char *const cases[][2] = {{"input/plate-impact.dm2", "plate-impact.run"},
+                                           {"a.b/deck", "deck.run"},
+                                           {"../x.y.dm2", "x.y.run"},
+                                           {".hidden", ".hidden.run"}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char *name = results_default_directory(cases[i][0]);
+        CHECK_STR(name, cases[i][1]);
+        free(name);
+    }
+}
+
+TEST(steps_that_are_due)
+{
+    static int64_t at[] = {3, 17};
+    struct config c = {.steps = 25, .output = {.history_every = 10, .n_snapshot_at = 2, .snapshot_at = at}};
+    static const int64_t history[] = {0, 10, 20, 25}, snapshots[] = {3, 17}, every[] = {0, 3, 12, 17, 24};
+    size_t h = 0, s = 0, e = 0;
+    for (int64_t step = 0; step <= 25; step++) {
+        if (results_history_due(&c, step))
+            CHECK_EQ_INT(step, history[h++]);
+        c.output.snapshot_every = 0;
+        if (results_snapshot_due(&c, step))
+            CHECK_EQ_INT(step, snapshots[s++]);
+        c.output.snapshot_every = 12;
+        if (results_snapshot_due(&c, step))
+            CHECK_EQ_INT(step, every[e++]);
+    }
+    CHECK_EQ_INT(h, 4);
+    CHECK_EQ_INT(s, 2);
+    CHECK_EQ_INT(e, 5);
+}
+
+/* A whole run: every file under its final name, none else, values as put in. */
+TEST(whole_run)
+{
+    struct fake f;
+    struct dm2_error err = {0};
+    fake_make(&f, 5, 4);
+    f.config.output.xyz = true;
+    struct measures m = some_measures();
+    struct results *r = open_results(&f, "new/parents/run", false);
+    CHECK_STR(results_directory(r), scratch_path("new/parents/run"));
+    CHECK_EQ_INT(results_history(r, 0, &m, &err), DM2_OK);
+    CHECK_EQ_INT(results_snapshot(r, 0, f.elements, f.measured, f.n, f.pairs, f.n_pairs, &err), DM2_OK);
+    CHECK_EQ_INT(results_history(r, 200, &m, &err), DM2_OK);
+    CHECK_EQ_INT(results_snapshot(r, 200, f.elements, f.measured, f.n, f.pairs, f.n_pairs, &err), DM2_OK);
+    CHECK_EQ_INT(results_final(r, 200, f.elements, f.n, f.pairs, f.n_pairs, &err), DM2_OK);
+    CHECK_EQ_INT(results_text(r, "run.log", "first\n", 6, &err), DM2_OK);
+    CHECK_EQ_INT(results_text(r, "run.log", "log\n", 4, &err), DM2_OK);
+    CHECK_EQ_INT(results_text(r, "timing.csv", "a\n", 2, &err), DM2_OK);
+    CHECK(!scratch_exists("new/parents/run/history.csv"));
+    CHECK_EQ_INT(results_close(r, &err), DM2_OK);
+    CHECK_STR(err.text, "");
+    CHECK_EQ_INT(entries("new/parents/run"), 5);
+    CHECK_EQ_INT(entries("new/parents/run/snapshots"), 5);
+
+    struct vtp vtp;
+    struct state s;
+    CHECK_EQ_INT(vtp_read(scratch_path("new/parents/run/snapshots/state-000000200.vtp"), &vtp, &err), DM2_OK);
+    CHECK_EQ_INT(vtp.n_points, f.n);
+    vtp_free(&vtp);
+    CHECK_EQ_INT(state_read(scratch_path("new/parents/run/final.dm2"), &s, &err), DM2_OK);
+    CHECK_EQ_INT(s.n_pairs, f.n_pairs);
+    CHECK_EQ_INT(memcmp(s.digest, digest, sizeof digest), 0);
+    state_free(&s);
+    char *log = scratch_read("new/parents/run/run.log", NULL);
+    CHECK_STR(log, "log\n");
+    free(log);
+    char *pvd = scratch_read("new/parents/run/snapshots/series.pvd", NULL);
+    CHECK_CONTAINS(pvd, "state-000000000.vtp");
+    CHECK_CONTAINS(pvd, "state-000000200.vtp");
+    free(pvd);
+    fake_free(&f);
+}
+
+TEST(history_rows)
+{
+    struct fake f;
+    struct csv csv;
+    struct dm2_error err = {0};
+    fake_make(&f, 2, 2);
+    struct measures m = some_measures();
+    struct results *r = open_results(&f, "history", false);
+    CHECK_EQ_INT(results_history(r, 40, &m, &err), DM2_OK);
+    measures_clear(&m); /* what came in is all there: not even a quantum is left */
+    exact_add(&m.kinetic, 0.1, scales.energy);
+    exact_add(&m.work, 0.1, scales.energy);
+    m.t_max = m.p_min = m.p_max = 0;
+    CHECK_EQ_INT(results_history(r, 50, &m, &err), DM2_OK);
+    CHECK_EQ_INT(results_close(r, &err), DM2_OK);
+    char *text = scratch_read("history/history.csv", NULL);
+    CHECK_STR(
+        text,
+        "step,time [us],kinetic [g cm2/us2],potential [g cm2/us2],elastic [g cm2/us2],thermal [g cm2/us2],"
+        "work [g cm2/us2],total [g cm2/us2],momentum_x [g cm/us],momentum_y [g cm/us],angular_momentum [g "
+        "cm2/us],"
+        "elements,links,contacts,temperature_max [K],pressure_min [Mbar],pressure_max [Mbar],surface_x [cm],"
+        "surface_y [cm],surface_vx [cm/us],surface_vy [cm/us],spall_x [cm],spall_y [cm],spall_vx [cm/us],"
+        "spall_vy [cm/us]\n"
+        "40,1,1.25,0.5,0.125,9.313225746154785e-10,0.0625,1.8125000009313226,-3,0.1,7,1689,4903,12,311.5,-0."
+        "25,0.75,"
+        "2,0.25,-0.5,0.125,nan,nan,nan,nan\n"
+              "50,1.25,0.1,0,0,0,0.1,0,0,0,0,0,0,0,0,0,0,nan,nan,nan,nan,nan,nan,nan,nan\n");
+    free(text);
+    CHECK_EQ_INT(csv_read(scratch_path("history/history.csv"), &csv, &err), DM2_OK);
+    CHECK_EQ_INT(csv.n_columns, 25);
+    csv_free(&csv);
+    fake_free(&f);
+}
+
+TEST(not_empty_is_an_error)
+{
+    struct fake f;
+    struct results *r;
+    struct dm2_error err = {0};
+    fake_make(&f, 2, 2);
+    mkdir(scratch_path("full"), 0777);
+    scratch_write("full/notes.txt", "mine\n");
+    CHECK_EQ_INT(results_open(scratch_path("full"), false, &f.config, scales, digest, &r, &err), DM2_IO);
+    CHECK(r == NULL);
+    CHECK_CONTAINS(err.text, scratch_path("full"));
+    CHECK_CONTAINS(err.text, "is not empty; name another one with -o DIR, or give --overwrite");
+    CHECK_EQ_INT(entries("full"), 1);
+    CHECK_EQ_INT(results_open(scratch_path("full/notes.txt"), true, &f.config, scales, digest, &r, &err),
+                 DM2_IO);
+    CHECK_CONTAINS(err.text, "full/notes.txt: cannot use it as the run directory: Not a directory");
+    CHECK_EQ_INT(
+        results_open(scratch_path("full/notes.txt/below"), true, &f.config, scales, digest, &r, &err),
+        DM2_IO);
+    CHECK_CONTAINS(err.text, "full/notes.txt/below: cannot make the directory: Not a directory");
+    CHECK_EQ_INT(results_open("", true, &f.config, scales, digest, &r, &err), DM2_IO);
+    fake_free(&f);
+}
+
+/* What a run writes goes, what it does not write stays. */
+TEST(overwrite_replaces_only_our_files)
+{
+    struct fake f;
+    struct dm2_error err = {0};
+    static const char *const ours[] = {"history.csv",
+                                       "final.dm2",
+                                       "run.log",
+                                       "timing.csv",
+                                       "history.csv.part",
+                                       "snapshots/state-000000007.vtp",
+                                       "snapshots/state-000000007.xyz.part",
+                                       "snapshots/series.pvd"};
+    static const char *const theirs[] = {"notes.txt", "history.csv.orig", "snapshots/state-best.vtp",
+                                         "snapshots/state-000000007.vtp.bak", "snapshots/state-7.png"};
+    fake_make(&f, 2, 2);
+    mkdir(scratch_path("again"), 0777);
+    mkdir(scratch_path("again/snapshots"), 0777);
+    for (size_t i = 0; i < sizeof ours / sizeof ours[0]; i++) {
+        char name[128];
+        snprintf(name, sizeof name, "again/%s", ours[i]);
+        scratch_write(name, "old");
+    }
+    for (size_t i = 0; i < sizeof theirs / sizeof theirs[0]; i++) {
+        char name[128];
+        snprintf(name, sizeof name, "again/%s", theirs[i]);
+        scratch_write(name, "old");
+    }
+    struct results *r = open_results(&f, "again", true);
+    CHECK_EQ_INT(entries("again"), 4); /* theirs, snapshots and history.csv.part */
+    CHECK_EQ_INT(entries("again/snapshots"), 3);
+    CHECK_EQ_INT(results_close(r, &err), DM2_OK);
+    CHECK(scratch_exists("again/history.csv"));
+    fake_free(&f);
+}
+
+TEST(abort_leaves_nothing_half_written)
+{
+    struct fake f;
+    struct dm2_error err = {0};
+    fake_make(&f, 2, 2);
+    struct measures m = some_measures();
+    struct results *r = open_results(&f, "aborted", false);
+    CHECK_EQ_INT(results_history(r, 0, &m, &err), DM2_OK);
+    results_abort(r);
+    CHECK_EQ_INT(entries("aborted"), -1);
+
+    mkdir(scratch_path("there"), 0777);
+    r = open_results(&f, "there", false);
+    results_abort(r);
+    CHECK_EQ_INT(entries("there"), 0); /* a directory that was there before stays */
+
+    r = open_results(&f, "aborted", false);
+    CHECK_EQ_INT(results_snapshot(r, 0, f.elements, f.measured, f.n, f.pairs, f.n_pairs, &err), DM2_OK);
+    results_abort(r);
+    CHECK_EQ_INT(entries("aborted"), 1); /* what is complete stays */
+    CHECK_EQ_INT(entries("aborted/snapshots"), 2);
+    results_abort(NULL);
+    fake_free(&f);
+}
+
+static void limit_file_size(rlim_t bytes)
+{
+    struct rlimit limit;
+    getrlimit(RLIMIT_FSIZE, &limit);
+    limit.rlim_cur = bytes;
+    CHECK_EQ_INT(setrlimit(RLIMIT_FSIZE, &limit), 0);
+}
+
+/* A file size limit stands for a full disk: the write fails half-way. */
+TEST(full_disk)
+{
+    struct fake f;
+    struct dm2_error err = {0};
+    char path[700];
+    struct rlimit before;
+    getrlimit(RLIMIT_FSIZE, &before);
+    fake_make(&f, 40, 40);
+    f.config.output.xyz = true;
+    struct measures m = some_measures();
+    struct results *r = open_results(&f, "disk", false);
+    limit_file_size(4096);
+    CHECK_EQ_INT(results_snapshot(r, 7, f.elements, f.measured, f.n, f.pairs, f.n_pairs, &err), DM2_IO);
+    snprintf(path, sizeof path, "%s: cannot write: File too large",
+             scratch_path("disk/snapshots/state-000000007.vtp"));
+    CHECK_STR(err.text, path);
+    CHECK_EQ_INT(results_final(r, 7, f.elements, f.n, f.pairs, f.n_pairs, &err), DM2_IO);
+    CHECK_CONTAINS(err.text, "disk/final.dm2: cannot write: File too large");
+    f.config.output.vtp = false;
+    CHECK_EQ_INT(results_snapshot(r, 7, f.elements, f.measured, f.n, f.pairs, f.n_pairs, &err), DM2_IO);
+    CHECK_CONTAINS(err.text, "disk/snapshots/state-000000007.xyz: cannot write: File too large");
+    enum dm2_status status = DM2_OK;
+    int64_t rows = 0;
+    for (; status == DM2_OK && rows < 1000; rows++)
+        status = results_history(r, rows, &m, &err);
+    CHECK_EQ_INT(status, DM2_IO);
+    CHECK(rows > 10 && rows < 50);
+    CHECK_CONTAINS(err.text, "disk/history.csv: cannot write: File too large");
+    CHECK_EQ_INT(results_close(r, &err), DM2_IO); /* the first failure sticks */
+    CHECK_EQ_INT(entries("disk"), -1);
+    setrlimit(RLIMIT_FSIZE, &before);
+    fake_free(&f);
+}
+
+TEST(directory_that_cannot_be_written)
+{
+    struct fake f;
+    struct results *r;
+    struct dm2_error err = {0};
+    fake_make(&f, 2, 2);
+    CHECK_EQ_INT(results_open("/proc/nowhere/run", false, &f.config, scales, digest, &r, &err), DM2_IO);
+    CHECK_CONTAINS(err.text, "/proc/nowhere: cannot make the directory");
+    r = open_results(&f, "moved", false);
+    CHECK_EQ_INT(rename(scratch_path("moved"), scratch_path("elsewhere")), 0);
+    CHECK_EQ_INT(results_final(r, 1, f.elements, f.n, f.pairs, f.n_pairs, &err), DM2_IO);
+    CHECK_CONTAINS(err.text, "moved/final.dm2: cannot create: No such file or directory");
+    CHECK_EQ_INT(results_close(r, &err), DM2_IO);
+    CHECK_CONTAINS(err.text, "moved/history.csv: cannot rename its .part file: No such file or directory");
+    fake_free(&f);
+}
+
+TEST(begin)
+{
+    (void)signal(SIGXFSZ, SIG_IGN);
+    scratch_begin();
+}
+
+TEST(end)
+{
+    scratch_end();
+}
+
+TEST_MAIN(CASE(begin), CASE(default_directory), CASE(steps_that_are_due), CASE(whole_run), CASE(history_rows),
+          CASE(not_empty_is_an_error), CASE(overwrite_replaces_only_our_files),
+          CASE(abort_leaves_nothing_half_written), CASE(full_disk), CASE(directory_that_cannot_be_written),
+          CASE(end))

@@ -1,0 +1,355 @@
+/* Snapshots: well-formed XML, array lengths, values back through our own reader; the seam; extended XYZ. */
+#include "check.h"
+#include "fake_state.h"
+#include "scratch.h"
+
+#include "dm2/base/number.h"
+#include "dm2/plot/vtp_reader.h"
+#include "dm2/plot/xml.h"
+#include "dm2/sim/snapshot.h"
+
+static struct snapshot snapshot_of(const struct fake *f)
+{
+    return (struct snapshot){&f->config, 200, f->elements, f->measured, f->n, f->pairs, f->n_pairs};
+}
+
+static void check_well_formed(const char *name)
+{
+    size_t n;
+    struct xml xml;
+    struct dm2_error err = {0};
+    char *text = scratch_read(name, &n);
+    enum xml_event event;
+    xml_open(&xml, name, text, n);
+    do
+        event = xml_next(&xml, &err);
+    while (event != XML_DONE && event != XML_ERROR);
+    CHECK_STR(err.text, "");
+    free(text);
+}
+
+static const double *values(const struct vtp *vtp, const char *name, size_t components)
+{
+    const struct vtp_array *a = vtp_find(vtp, "PointData", name);
+    CHECK_REPORT(a != NULL && a->components == components, "no array '%s' of %zu components", name,
+                 components);
+    if (a == NULL || a->components != components)
+        exit(1);
+    return a->values;
+}
+
+static void check_values(const struct vtp *vtp, const struct fake *f)
+{
+    for (size_t i = 0; i < f->n; i++) {
+        const struct element *e = &f->elements[i];
+        const struct element_measure *m = &f->measured[i];
+        CHECK_SAME_BITS(vtp->position[3 * i], e->r[0]);
+        CHECK_SAME_BITS(vtp->position[3 * i + 1], e->r[1]);
+        CHECK_SAME_BITS(vtp->position[3 * i + 2], 0.0);
+        CHECK_EQ_INT(values(vtp, "id", 1)[i], e->id);
+        CHECK_EQ_INT(values(vtp, "kind", 1)[i], e->kind);
+        CHECK_EQ_INT(values(vtp, "body", 1)[i], e->body);
+        CHECK_EQ_INT(values(vtp, "grain", 1)[i], e->grain);
+        CHECK_SAME_BITS(values(vtp, "radius", 1)[i], e->radius);
+        CHECK_SAME_BITS(values(vtp, "velocity", 3)[3 * i], m->velocity[0]);
+        CHECK_SAME_BITS(values(vtp, "velocity", 3)[3 * i + 1], m->velocity[1]);
+        CHECK_SAME_BITS(values(vtp, "spin", 1)[i], e->w);
+        CHECK_SAME_BITS(values(vtp, "temperature", 1)[i], m->temperature);
+        CHECK_SAME_BITS(values(vtp, "pressure", 1)[i], e->p);
+        for (size_t c = 0; c < 3; c++)
+            CHECK_SAME_BITS(values(vtp, "stress", 3)[3 * i + c], m->stress[c]);
+        CHECK_EQ_INT(values(vtp, "links", 1)[i], m->links);
+        CHECK_EQ_INT(values(vtp, "contacts", 1)[i], m->contacts);
+    }
+}
+
+static void check_field_data(const struct vtp *vtp)
+{
+    CHECK_SAME_BITS(vtp_value(vtp, "TimeValue", -1), 200 * 0.025);
+    CHECK_SAME_BITS(vtp_value(vtp, "step", -1), 200);
+    CHECK_SAME_BITS(vtp_value(vtp, "absent", -1), -1);
+    const struct vtp_array *domain = vtp_find(vtp, "FieldData", "domain");
+    CHECK(domain != NULL && domain->n_tuples == 4);
+    CHECK_EQ_INT(vtp->materials.n, 2);
+    CHECK_STR(vtp->materials.name[1], "aluminium");
+    CHECK_EQ_INT(vtp->bodies.n, 2);
+    CHECK_STR(vtp->bodies.name[0], "flyer");
+}
+
+/* Sizes around the encoder's blocks of 3072 bytes and all paddings. */
+TEST(vtp_round_trip)
+{
+    static const size_t columns[] = {1, 2, 5, 127, 128, 129};
+    for (size_t k = 0; k < sizeof columns / sizeof columns[0]; k++) {
+        struct fake f;
+        struct vtp vtp;
+        struct dm2_error err = {0};
+        fake_make(&f, columns[k], 3);
+        struct snapshot s = snapshot_of(&f);
+        CHECK_EQ_INT(snapshot_write_vtp(scratch_path("s.vtp"), &s, &err), DM2_OK);
+        check_well_formed("s.vtp");
+        CHECK_EQ_INT(vtp_read(scratch_path("s.vtp"), &vtp, &err), DM2_OK);
+        CHECK_STR(err.text, "");
+        CHECK_EQ_INT(vtp.n_points, f.n);
+        check_values(&vtp, &f);
+        check_field_data(&vtp);
+        const struct vtp_array *verts = vtp_find(&vtp, "Verts", "connectivity"),
+                               *ends = vtp_find(&vtp, "Verts", "offsets");
+        CHECK_EQ_INT(verts->n_tuples, f.n);
+        CHECK_EQ_INT(verts->values[f.n - 1], f.n - 1);
+        CHECK_EQ_INT(ends->values[f.n - 1], f.n);
+        vtp_free(&vtp);
+        fake_free(&f);
+    }
+}
+
+TEST(lines_are_the_linked_pairs)
+{
+    struct fake f;
+    struct vtp vtp;
+    struct dm2_error err = {0};
+    fake_make(&f, 6, 4);
+    struct snapshot s = snapshot_of(&f);
+    CHECK_EQ_INT(snapshot_write_vtp(scratch_path("l.vtp"), &s, &err), DM2_OK);
+    CHECK_EQ_INT(vtp_read(scratch_path("l.vtp"), &vtp, &err), DM2_OK);
+    size_t line = 0;
+    for (size_t p = 0; p < f.n_pairs; p++) {
+        if (f.pairs[p].linked == 0)
+            continue;
+        CHECK(line < vtp.n_lines && vtp.line[2 * line] == f.pairs[p].id_a &&
+              vtp.line[2 * line + 1] == f.pairs[p].id_b);
+        line++;
+    }
+    CHECK_EQ_INT(vtp.n_lines, line);
+    vtp_free(&vtp);
+    fake_free(&f);
+}
+
+/* The link between the first and the last element of a row crosses the periodic seam. */
+TEST(no_line_across_the_seam)
+{
+    struct fake f;
+    struct vtp vtp;
+    struct dm2_error err = {0};
+    fake_make(&f, 6, 1);
+    f.pairs[5] = f.pairs[4];
+    memmove(&f.pairs[2], &f.pairs[1], 4 * sizeof f.pairs[0]);
+    f.pairs[1] = (struct pair_record){0, 5, 1, 0, 0};
+    f.n_pairs = 6;
+    struct snapshot s = snapshot_of(&f);
+    CHECK_EQ_INT(snapshot_write_vtp(scratch_path("p.vtp"), &s, &err), DM2_OK);
+    CHECK_EQ_INT(vtp_read(scratch_path("p.vtp"), &vtp, &err), DM2_OK);
+    CHECK_EQ_INT(vtp.n_lines, 5);
+    vtp_free(&vtp);
+    f.config.periodic[0] = false;
+    CHECK_EQ_INT(snapshot_write_vtp(scratch_path("p.vtp"), &s, &err), DM2_OK);
+    CHECK_EQ_INT(vtp_read(scratch_path("p.vtp"), &vtp, &err), DM2_OK);
+    CHECK_EQ_INT(vtp.n_lines, 6);
+    vtp_free(&vtp);
+    fake_free(&f);
+}
+
+TEST(absent_element_of_a_pair)
+{
+    struct fake f;
+    struct dm2_error err = {0};
+    fake_make(&f, 3, 1);
+    f.pairs[1].id_b = 9;
+    struct snapshot s = snapshot_of(&f);
+    CHECK_EQ_INT(snapshot_write_vtp(scratch_path("q.vtp"), &s, &err), DM2_NUMERIC);
+    CHECK_CONTAINS(err.text, "(1, 9) names an element");
+    CHECK(!scratch_exists("q.vtp") && !scratch_exists("q.vtp.part"));
+    fake_free(&f);
+}
+
+TEST(series)
+{
+    static const int64_t steps[] = {0, 40, 200};
+    struct dm2_error err = {0};
+    CHECK_EQ_INT(snapshot_write_series(scratch_path("series.pvd"), steps, 3, 0.025, &err), DM2_OK);
+    check_well_formed("series.pvd");
+    char *text = scratch_read("series.pvd", NULL);
+    CHECK_CONTAINS(text, "<DataSet timestep=\"0\" group=\"\" part=\"0\" file=\"state-000000000.vtp\"/>");
+    CHECK_CONTAINS(text, "<DataSet timestep=\"5\" group=\"\" part=\"0\" file=\"state-000000200.vtp\"/>");
+    free(text);
+}
+
+/* The next word of a text, as a number if `x` is given. */
+static const char *word(const char *at, char *out, size_t size, double *x)
+{
+    at += strspn(at, " \n");
+    size_t n = strcspn(at, " \n");
+    if (n < size) {
+        memcpy(out, at, n);
+        out[n] = '\0';
+    }
+    if (x != NULL)
+        CHECK_REPORT(number_parse(at, n, x), "'%s' is no number", out);
+    return at + n;
+}
+
+TEST(xyz_round_trip)
+{
+    struct fake f;
+    struct dm2_error err = {0};
+    fake_make(&f, 5, 2);
+    struct snapshot s = snapshot_of(&f);
+    CHECK_EQ_INT(snapshot_write_xyz(scratch_path("s.xyz"), &s, &err), DM2_OK);
+    char *text = scratch_read("s.xyz", NULL);
+    static const char head[] =
+        "10\nLattice=\"0.2 0 0 0 0.08 0 0 0 1\" Origin=\"0 0 -0.5\" pbc=\"T F F\" Properties=";
+    CHECK_EQ_INT(strncmp(text, head, strlen(head)), 0);
+    CHECK_CONTAINS(
+        text, "Properties=species:S:1:pos:R:3:id:I:1:kind:I:1:body:I:1:grain:I:1:radius:R:1:velo:R:3:"
+              "angular_velocity:R:1:temperature:R:1:pressure:R:1:stress_xx:R:1:stress_yy:R:1:stress_xy:R:1:"
+              "links:I:1:contacts:I:1 Time=5 Step=200\n");
+    const char *at = strchr(strchr(text, '\n') + 1, '\n');
+    for (size_t i = 0; i < f.n; i++) {
+        const struct element *e = &f.elements[i];
+        const struct element_measure *m = &f.measured[i];
+        const double want[] = {e->r[0],
+                               e->r[1],
+                               0,
+                               e->id,
+                               e->kind,
+                               e->body,
+                               e->grain,
+                               e->radius,
+                               m->velocity[0],
+                               m->velocity[1],
+                               0,
+                               e->w,
+                               m->temperature,
+                               e->p,
+                               m->stress[0],
+                               m->stress[1],
+                               m->stress[2],
+                               m->links,
+                               m->contacts};
+        char buffer[64];
+        at = word(at, buffer, sizeof buffer, NULL);
+        CHECK_STR(buffer, f.materials[e->kind].name);
+        for (size_t c = 0; c < sizeof want / sizeof want[0]; c++) {
+            double x = NAN;
+            at = word(at, buffer, sizeof buffer, &x);
+            CHECK_SAME_BITS(x, want[c]);
+        }
+        CHECK_EQ_INT(*at, '\n');
+    }
+    CHECK_STR(at, "\n");
+    free(text);
+    fake_free(&f);
+}
+
+/* What the reader refuses: a spoiled copy of a good file. */
+static void check_spoiled(const char *text, const char *from, const char *to, const char *want)
+{
+    struct vtp vtp;
+    struct dm2_error err = {0};
+    const char *at = strstr(text, from);
+    CHECK_REPORT(at != NULL, "the file does not contain '%s'", from);
+    if (at == NULL)
+        return;
+    size_t before = (size_t)(at - text), n = strlen(text) + strlen(to) + 1;
+    char *spoiled = malloc(n);
+    snprintf(spoiled, n, "%.*s%s%s", (int)before, text, to, at + strlen(from));
+    scratch_write("bad.vtp", spoiled);
+    CHECK_EQ_INT(vtp_read(scratch_path("bad.vtp"), &vtp, &err), DM2_PROTOCOL);
+    CHECK_CONTAINS(err.text, want);
+    CHECK(vtp.arrays == NULL);
+    free(spoiled);
+}
+
+TEST(reader_refuses)
+{
+    struct fake f;
+    struct dm2_error err = {0};
+    fake_make(&f, 3, 2);
+    struct snapshot s = snapshot_of(&f);
+    CHECK_EQ_INT(snapshot_write_vtp(scratch_path("r.vtp"), &s, &err), DM2_OK);
+    char *text = scratch_read("r.vtp", NULL);
+    check_spoiled(text, "NumberOfPoints=\"6\"", "NumberOfPoints=\"7\"", "tuples for 7 points");
+    check_spoiled(text, "NumberOfLines=\"", "NumberOfLines=\"9", "two points for each of its");
+    check_spoiled(text, "</Points>", "</Point>", ":15: not well-formed XML: an end tag that does not match");
+    check_spoiled(text, "type=\"PolyData\"", "type=\"ImageData\"", "PolyData was expected");
+    check_spoiled(text, "LittleEndian", "BigEndian", "only little-endian");
+    check_spoiled(text, "Name=\"id\"", "Name=\"id\" Name=\"x\"", "an attribute is there twice");
+    check_spoiled(text, "type=\"UInt16\"", "type=\"Complex\"", "unknown type");
+    check_spoiled(text, "type=\"UInt16\" Name=\"kind\" NumberOfComponents=\"1\" format=\"binary\">D",
+                  "type=\"UInt16\" Name=\"kind\" NumberOfComponents=\"1\" format=\"binary\">E",
+                  "whose length is not the one that it announces");
+    check_spoiled(text, "format=\"binary\">", "format=\"binary\">*", "not base64");
+    check_spoiled(text, "format=\"ascii\">5<", "format=\"ascii\">5x<", "no number");
+    check_spoiled(text, "110 105 99", "110 -105 99", "a character that is none");
+    check_spoiled(text, "</VTKFile>", "", "the text ends inside an element");
+    size_t n = strlen(text);
+    for (size_t k = 0; k < n - 1; k += 7) { /* any cut is an error, and none reads beyond the end */
+        struct vtp vtp;
+        char kept = text[k];
+        text[k] = '\0';
+        scratch_write("cut.vtp", text);
+        text[k] = kept;
+        CHECK_EQ_INT(vtp_read(scratch_path("cut.vtp"), &vtp, &err), DM2_PROTOCOL);
+    }
+    free(text);
+    fake_free(&f);
+}
+
+TEST(xml_refuses)
+{
+    static const char *const bad[] = {
+        "",
+        "text",
+        "<a>",
+        "<a></b>",
+        "<a/><b/>",
+        "<a x=1/>",
+        "<a x='1' x='2'/>",
+        "<a x='1'y='2'/>",
+        "<a>&</a>",
+        "<a>&nope;</a>",
+        "<a x='<'/>",
+        "<a><!-- -- --></a>",
+        "</a>",
+        "<a/>x",
+        "<1/>",
+        "<a>\x01</a>",
+        "<a><?xml?></a>",
+        "<a b='1'",
+        "<!DOCTYPE a><a/>",
+        "<a>&#;</a>",
+    };
+    static const char *const good[] = {
+        "<a/>",
+        "<?xml version=\"1.0\"?>\n<!-- c -->\n<a x='\"' y=\"'\">t &amp; &#65; &#x4a;<b/></a >\n",
+        "<a\n x = '1' />",
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        struct xml xml;
+        struct dm2_error err = {0};
+        enum xml_event event;
+        xml_open(&xml, "x", bad[i], strlen(bad[i]));
+        do
+            event = xml_next(&xml, &err);
+        while (event != XML_DONE && event != XML_ERROR);
+        CHECK_REPORT(event == XML_ERROR, "'%s' was taken", bad[i]);
+    }
+    for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
+        scratch_write("good.xml", good[i]);
+        check_well_formed("good.xml");
+    }
+}
+
+TEST(begin)
+{
+    scratch_begin();
+}
+
+TEST(end)
+{
+    scratch_end();
+}
+
+TEST_MAIN(CASE(begin), CASE(vtp_round_trip), CASE(lines_are_the_linked_pairs), CASE(no_line_across_the_seam),
+          CASE(absent_element_of_a_pair), CASE(series), CASE(xyz_round_trip), CASE(reader_refuses),
+          CASE(xml_refuses), CASE(end))

@@ -1,0 +1,274 @@
+/* The state file: round trip, canonical bytes, and every way of being damaged. */
+#include "check.h"
+#include "fake_state.h"
+#include "scratch.h"
+
+#include "dm2/base/crc32c.h"
+#include "dm2/sim/state.h"
+
+static const uint8_t digest[STATE_DIGEST_BYTES] = {1, 2, 3, 0xff, 5};
+
+static enum dm2_status write_fake(const struct fake *f, const char *name)
+{
+    struct dm2_error err = {0};
+    const struct state_view view = {digest, 200, f->elements, f->n, f->pairs, f->n_pairs};
+    enum dm2_status status = state_write(scratch_path(name), &view, &err);
+    CHECK_STR(err.text, "");
+    return status;
+}
+
+static void write_bytes(const char *name, const char *bytes, size_t n)
+{
+    FILE *f = fopen(scratch_path(name), "wb");
+    CHECK(f != NULL && fwrite(bytes, 1, n, f) == n && fclose(f) == 0);
+}
+
+/* Reads the file `name`, which must fail, and returns what the message says. */
+static const char *failure(const char *name)
+{
+    static struct dm2_error err;
+    struct state s;
+    err.text[0] = '\0';
+    enum dm2_status status = state_read(scratch_path(name), &s, &err);
+    CHECK_REPORT(status == DM2_PROTOCOL, "status is %d, text '%s'", status, err.text);
+    CHECK(s.elements == NULL && s.pairs == NULL);
+    CHECK_CONTAINS(err.text, scratch_path(name));
+    return err.text;
+}
+
+static void check_element(const struct element *got, const struct element *want)
+{
+    CHECK_EQ_INT(got->id, want->id);
+    CHECK_EQ_INT(got->grain, want->grain);
+    CHECK_EQ_INT(got->body, want->body);
+    CHECK_EQ_INT(got->kind, want->kind);
+    CHECK_EQ_INT(got->flags, want->flags);
+    CHECK_EQ_INT(got->probes, want->probes);
+    CHECK_SAME_BITS(got->radius, want->radius);
+    CHECK_SAME_BITS(got->mass, want->mass);
+    CHECK_SAME_BITS(got->r[0], want->r[0]);
+    CHECK_SAME_BITS(got->r[1], want->r[1]);
+    CHECK_SAME_BITS(got->v[0], want->v[0]);
+    CHECK_SAME_BITS(got->v[1], want->v[1]);
+    CHECK_SAME_BITS(got->w, want->w);
+    CHECK_SAME_BITS(got->heat, want->heat);
+    CHECK_SAME_BITS(got->p, want->p);
+    CHECK_SAME_BITS(got->work, want->work);
+    for (int c = 0; c < 3; c++)
+        CHECK_SAME_BITS(got->strain[c], want->strain[c]);
+    CHECK_EQ_INT(got->bonds, want->bonds);
+}
+
+TEST(round_trip)
+{
+    struct fake f;
+    struct state s;
+    struct dm2_error err = {0};
+    fake_make(&f, 57, 41); /* more than one block of the writer */
+    write_fake(&f, "a.dm2");
+    CHECK_EQ_INT(state_read(scratch_path("a.dm2"), &s, &err), DM2_OK);
+    CHECK_STR(err.text, "");
+    CHECK_EQ_INT(memcmp(s.digest, digest, sizeof digest), 0);
+    CHECK_EQ_INT(s.step, 200);
+    CHECK_EQ_INT(s.n_elements, f.n);
+    CHECK_EQ_INT(s.n_pairs, f.n_pairs);
+    for (size_t i = 0; i < s.n_elements && i < f.n; i++)
+        check_element(&s.elements[i], &f.elements[i]);
+    for (size_t i = 0; i < s.n_pairs && i < f.n_pairs; i++) {
+        CHECK_EQ_INT(s.pairs[i].id_a, f.pairs[i].id_a);
+        CHECK_EQ_INT(s.pairs[i].id_b, f.pairs[i].id_b);
+        CHECK_EQ_INT(s.pairs[i].linked, f.pairs[i].linked);
+        CHECK_SAME_BITS(s.pairs[i].stretch, f.pairs[i].stretch);
+        CHECK_SAME_BITS(s.pairs[i].spring, f.pairs[i].spring);
+    }
+    state_free(&s);
+    fake_free(&f);
+}
+
+/* The bytes are the format's, not this machine's: size and the first ones by hand. */
+TEST(bytes_are_canonical)
+{
+    struct fake f;
+    size_t n;
+    fake_make(&f, 3, 2);
+    write_fake(&f, "b.dm2");
+    char *bytes = scratch_read("b.dm2", &n);
+    CHECK_EQ_INT(n, 68 + 120 * f.n + 25 * f.n_pairs + 4);
+    CHECK_EQ_INT(memcmp(bytes, "DM2STATE\2\0\0\0\1\2\3\377\5", 17), 0);
+    CHECK_EQ_INT(memcmp(bytes + 44, "\310\0\0\0\0\0\0\0\6\0\0\0\0\0\0\0", 16), 0);
+    write_fake(&f, "c.dm2");
+    char *again = scratch_read("c.dm2", NULL);
+    CHECK_EQ_INT(memcmp(bytes, again, n), 0);
+    CHECK(!scratch_exists("c.dm2.part"));
+    free(bytes);
+    free(again);
+    fake_free(&f);
+}
+
+TEST(no_elements)
+{
+    struct fake f = {.n = 0};
+    struct state s;
+    struct dm2_error err = {0};
+    write_fake(&f, "empty.dm2");
+    CHECK_EQ_INT(state_read(scratch_path("empty.dm2"), &s, &err), DM2_OK);
+    CHECK_EQ_INT(s.n_elements, 0);
+    state_free(&s);
+}
+
+TEST(every_truncation)
+{
+    struct fake f;
+    size_t n;
+    fake_make(&f, 3, 2);
+    write_fake(&f, "d.dm2");
+    char *bytes = scratch_read("d.dm2", &n);
+    for (size_t k = 0; k < n; k++) {
+        write_bytes("cut.dm2", bytes, k);
+        const char *text = failure("cut.dm2");
+        CHECK_CONTAINS(text, k == 0 ? "is not a dm2 state file" : "is cut short");
+    }
+    free(bytes);
+    fake_free(&f);
+}
+
+TEST(every_flipped_bit)
+{
+    struct fake f;
+    size_t n;
+    fake_make(&f, 2, 2);
+    write_fake(&f, "e.dm2");
+    char *bytes = scratch_read("e.dm2", &n);
+    for (size_t bit = 0; bit < 8 * n; bit++) {
+        bytes[bit / 8] = (char)(bytes[bit / 8] ^ (1 << bit % 8));
+        write_bytes("flip.dm2", bytes, n);
+        const char *text = failure("flip.dm2");
+        if (bit >= 8 * 68)
+            CHECK_CONTAINS(text, "is damaged: its checksum");
+        bytes[bit / 8] = (char)(bytes[bit / 8] ^ (1 << bit % 8));
+    }
+    free(bytes);
+    fake_free(&f);
+}
+
+TEST(foreign_files)
+{
+    write_bytes("x.dm2", "<?xml version=\"1.0\"?>", 21);
+    CHECK_CONTAINS(failure("x.dm2"), "is not a dm2 state file");
+    write_bytes("x.dm2", "DM2STATE\2\0\0\0", 12);
+    CHECK_CONTAINS(failure("x.dm2"), "is cut short");
+    char bytes[72] = "DM2STATE", of_version[40];
+    bytes[8] = STATE_VERSION + 1;
+    (void)snprintf(of_version, sizeof of_version, "is a state of format version %d,", STATE_VERSION + 1);
+    write_bytes("x.dm2", bytes, sizeof bytes);
+    CHECK_CONTAINS(failure("x.dm2"), of_version);
+    memset(bytes + 8, 0, sizeof bytes - 8);
+    bytes[8] = STATE_VERSION;
+    memset(bytes + 52, 0xff, 8); /* 2^64 - 1 elements must not be allocated, nor overflow */
+    write_bytes("x.dm2", bytes, sizeof bytes);
+    CHECK_CONTAINS(failure("x.dm2"), "announces 18446744073709551615 elements");
+    struct state s;
+    struct dm2_error err;
+    CHECK_EQ_INT(state_read(scratch_path("absent.dm2"), &s, &err), DM2_IO);
+    CHECK_CONTAINS(err.text, "cannot open: No such file");
+    CHECK_EQ_INT(state_read(scratch_directory, &s, &err), DM2_IO);
+    CHECK_CONTAINS(err.text, "is not a regular file");
+}
+
+TEST(trailing_bytes)
+{
+    struct fake f;
+    size_t n;
+    fake_make(&f, 2, 2);
+    write_fake(&f, "f.dm2");
+    char *bytes = scratch_read("f.dm2", &n);
+    write_bytes("f.dm2", bytes, n + 1); /* scratch_read ends with a NUL */
+    CHECK_CONTAINS(failure("f.dm2"), "has 1 bytes behind the end");
+    free(bytes);
+    fake_free(&f);
+}
+
+/* A whole, well-checksummed file with content that cannot be. */
+static void check_content(void (*spoil)(struct fake *f), const char *want)
+{
+    struct fake f;
+    fake_make(&f, 3, 3);
+    spoil(&f);
+    write_fake(&f, "g.dm2");
+    CHECK_CONTAINS(failure("g.dm2"), want);
+    fake_free(&f);
+}
+
+static void infinite(struct fake *f)
+{
+    f->elements[3].v[1] = INFINITY;
+}
+
+static void massless(struct fake *f)
+{
+    f->elements[2].mass = 0;
+}
+
+static void flagged(struct fake *f)
+{
+    f->elements[1].flags = 8;
+}
+
+static void repeated_pair(struct fake *f)
+{
+    f->pairs[1] = f->pairs[0];
+}
+
+static void reversed_pair(struct fake *f)
+{
+    f->pairs[0] = (struct pair_record){1, 0, 1, 0, 0};
+}
+
+static void absent_pair(struct fake *f)
+{
+    f->pairs[f->n_pairs - 1].id_b = 77;
+}
+
+TEST(impossible_content)
+{
+    check_content(infinite, "element 3 has a number that is not finite");
+    check_content(massless, "element 2 has a radius or a mass that is not positive");
+    check_content(flagged, "element 1 has a flag");
+    check_content(repeated_pair, "the pair (0, 1) is out of order or there twice");
+    check_content(reversed_pair, "the pair (1, 0) does not name its lower element first");
+    check_content(absent_pair, ", 77) names an element that is not in the state");
+}
+
+/* Elements out of order cannot be written by state_write in a debug build: swap two records in the bytes. */
+TEST(elements_out_of_order)
+{
+    struct fake f;
+    size_t n;
+    fake_make(&f, 2, 2);
+    write_fake(&f, "h.dm2");
+    char *bytes = scratch_read("h.dm2", &n), record[120];
+    memcpy(record, bytes + 68, 120);
+    memcpy(bytes + 68, bytes + 68 + 120, 120);
+    memcpy(bytes + 68 + 120, record, 120);
+    uint32_t crc = crc32c(0, bytes, n - 4);
+    for (int k = 0; k < 4; k++)
+        bytes[n - 4 + (size_t)k] = (char)(crc >> (8 * k));
+    write_bytes("h.dm2", bytes, n);
+    CHECK_CONTAINS(failure("h.dm2"), "element 0 is out of order or there twice");
+    free(bytes);
+    fake_free(&f);
+}
+
+TEST(begin)
+{
+    scratch_begin();
+}
+
+TEST(end)
+{
+    scratch_end();
+}
+
+TEST_MAIN(CASE(begin), CASE(round_trip), CASE(bytes_are_canonical), CASE(no_elements), CASE(every_truncation),
+          CASE(every_flipped_bit), CASE(foreign_files), CASE(trailing_bytes), CASE(impossible_content),
+          CASE(elements_out_of_order), CASE(end))

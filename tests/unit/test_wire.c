@@ -1,0 +1,384 @@
+/* Records and messages as bytes: out and in again, their sizes, and every cut and changed byte. */
+#include "check.h"
+
+#include "dm2/dist/messages.h"
+#include "dm2/dist/state_merge.h"
+#include "dm2/dist/wire.h"
+
+static const struct wire_limits limits = {.elements = 1000, .bodies = 2, .kinds = 3};
+
+static struct element some_element(uint32_t id)
+{
+    return (struct element){.id = id,
+                            .grain = 7,
+                            .body = 1,
+                            .kind = 2,
+                            .flags = ELEMENT_FIXED_MOTION,
+                            .probes = 0x81,
+                            .radius = 0.02,
+                            .mass = 0.1 + id,
+                            .r = {1.5, -2.5},
+                            .v = {-0.0, 5e-324},
+                            .w = 1e300,
+                            .heat = 0.25,
+                            .p = -0.125,
+                            .work = 3.5,
+                            .strain = {0.5, -0.25, 1e-9},
+                            .bonds = 6};
+}
+
+/* What travels of a mirror. */
+static bool same_mirror(const struct element *a, const struct element *b)
+{
+    return a->id == b->id && a->grain == b->grain && a->body == b->body && a->kind == b->kind &&
+           a->flags == b->flags && a->probes == b->probes &&
+           memcmp(&a->radius, &b->radius, sizeof(double)) == 0 &&
+           memcmp(&a->mass, &b->mass, sizeof(double)) == 0 && memcmp(a->r, b->r, sizeof a->r) == 0 &&
+           memcmp(a->v, b->v, sizeof a->v) == 0 && memcmp(&a->w, &b->w, sizeof(double)) == 0 &&
+           memcmp(&a->heat, &b->heat, sizeof(double)) == 0 && memcmp(&a->p, &b->p, sizeof(double)) == 0;
+}
+
+static bool same_element(const struct element *a, const struct element *b)
+{
+    return same_mirror(a, b) && a->work == b->work && memcmp(a->strain, b->strain, sizeof a->strain) == 0 &&
+           a->bonds == b->bonds;
+}
+
+/* The parts of a parcel: two migrants with three pairs, and a mirror. */
+static const struct pair_record some_pairs[3] = {{1, 2, 1, 0.5, -0.5}, {1, 999, 0, 0, 1}, {0, 1, 1, -1, 0}};
+
+TEST(sizes)
+{
+    struct bytes_writer w = {0};
+    struct element e = some_element(5);
+    struct element_measure m = {
+        .stress = {1, 2, 3}, .velocity = {4, 5}, .temperature = 300, .links = 6, .contacts = 1};
+    wire_put_element(&w, &e);
+    CHECK_EQ_INT(w.length, WIRE_ELEMENT);
+    wire_put_pair(&w, &some_pairs[0]);
+    CHECK_EQ_INT(w.length, WIRE_ELEMENT + WIRE_PAIR);
+    wire_put_measured(&w, &m);
+    CHECK_EQ_INT(w.length, WIRE_ELEMENT + WIRE_PAIR + WIRE_MEASURED);
+    bytes_clear(&w);
+    wire_put_mirror(&w, &e);
+    CHECK_EQ_INT(w.length, WIRE_MIRROR);
+    CHECK(WIRE_MIRROR <= 88); /* the paper's g */
+    bytes_free(&w);
+}
+
+TEST(a_parcel_round_trip)
+{
+    struct bytes_writer w = {0};
+    struct element migrants[2] = {some_element(1), some_element(999)}, mirror = some_element(0);
+    struct parcel out = {.migrants = migrants,
+                         .n_migrants = 2,
+                         .pairs = (struct pair_record *)(uintptr_t)some_pairs,
+                         .n_pairs = 3,
+                         .mirrors = &mirror,
+                         .n_mirrors = 1},
+                  in;
+    wire_put_parcel(&w, &out);
+    struct bytes_reader r = bytes_reader_of(w.data, w.length);
+    wire_get_parcel(&r, &limits, &in);
+    CHECK(bytes_done(&r));
+    CHECK_EQ_INT(in.n_migrants, 2);
+    CHECK_EQ_INT(in.n_pairs, 3);
+    CHECK_EQ_INT(in.n_mirrors, 1);
+    CHECK(same_element(&in.migrants[0], &migrants[0]) && same_element(&in.migrants[1], &migrants[1]));
+    CHECK(same_mirror(&in.mirrors[0], &mirror));
+    CHECK(in.mirrors[0].work == 0 && in.mirrors[0].bonds == 0); /* for its owner alone */
+    for (int k = 0; k < 3; k++)
+        CHECK(in.pairs[k].id_a == some_pairs[k].id_a && in.pairs[k].id_b == some_pairs[k].id_b &&
+              in.pairs[k].linked == some_pairs[k].linked && in.pairs[k].stretch == some_pairs[k].stretch &&
+              in.pairs[k].spring == some_pairs[k].spring);
+    wire_parcel_free(&in);
+    for (size_t n = 0; n < w.length; n++) { /* cut anywhere */
+        r = bytes_reader_of(w.data, n);
+        wire_get_parcel(&r, &limits, &in);
+        CHECK(r.failed && in.migrants == NULL);
+    }
+    for (size_t at = 0; at < w.length; at++) { /* changed anywhere: it may decode, it must not harm */
+        w.data[at] ^= 0xff;
+        r = bytes_reader_of(w.data, w.length);
+        wire_get_parcel(&r, &limits, &in);
+        for (size_t k = 0; k < in.n_migrants; k++)
+            CHECK(in.migrants[k].id < limits.elements && isfinite(in.migrants[k].r[0]));
+        wire_parcel_free(&in);
+        w.data[at] ^= 0xff;
+    }
+    bytes_free(&w);
+}
+
+/* Decoding this element must fail. */
+static void bad_element(struct element e)
+{
+    struct bytes_writer w = {0};
+    wire_put_element(&w, &e);
+    struct bytes_reader r = bytes_reader_of(w.data, w.length);
+    wire_get_element(&r, &limits, &e);
+    CHECK(r.failed);
+    bytes_free(&w);
+}
+
+TEST(elements_that_cannot_be)
+{
+    struct element e = some_element(1000);
+    bad_element(e);
+    e = some_element(1);
+    e.body = 2;
+    bad_element(e);
+    e = some_element(1);
+    e.kind = 3;
+    bad_element(e);
+    e = some_element(1);
+    e.flags = 2;
+    bad_element(e);
+    e = some_element(1);
+    e.r[1] = NAN;
+    bad_element(e);
+    e = some_element(1);
+    e.v[0] = INFINITY;
+    bad_element(e);
+    e = some_element(1);
+    e.mass = 0;
+    bad_element(e);
+    e = some_element(1);
+    e.radius = -1;
+    bad_element(e);
+    e = some_element(1);
+    e.strain[2] = NAN;
+    bad_element(e);
+}
+
+static void bad_pair(struct pair_record p)
+{
+    struct bytes_writer w = {0};
+    wire_put_pair(&w, &p);
+    struct bytes_reader r = bytes_reader_of(w.data, w.length);
+    wire_get_pair(&r, &limits, &p);
+    CHECK(r.failed);
+    bytes_free(&w);
+}
+
+TEST(pairs_that_cannot_be)
+{
+    bad_pair((struct pair_record){2, 1, 0, 0, 0});
+    bad_pair((struct pair_record){1, 1, 0, 0, 0});
+    bad_pair((struct pair_record){1, 1000, 0, 0, 0});
+    bad_pair((struct pair_record){1, 2, 2, 0, 0});
+    bad_pair((struct pair_record){1, 2, 1, NAN, 0});
+    bad_pair((struct pair_record){1, 2, 1, 0, -INFINITY});
+}
+
+static struct measures some_measures(void)
+{
+    struct measures m;
+    measures_clear(&m);
+    (void)exact_add(&m.kinetic, 1.25, 40);
+    (void)exact_add(&m.momentum[1], -3.5, 40);
+    m.elements = 17;
+    m.probe[PROBE_MAX - 1].count = 3;
+    (void)exact_add(&m.probe[PROBE_MAX - 1].v[1], -1.0, 40);
+    return m;
+}
+
+TEST(a_step_message_round_trip)
+{
+    struct bytes_writer w = {0};
+    struct step_message out = {.step = 12,
+                               .rebuild = true,
+                               .owned = 40,
+                               .migrants = 2,
+                               .dmax = 0.5,
+                               .busy = 0.001,
+                               .measured = true,
+                               .hashed = true,
+                               .measures = some_measures(),
+                               .hash = 0xfeedU,
+                               .n_segments = 0},
+                        in = {0};
+    message_put_step(&w, &out);
+    struct bytes_reader r = bytes_reader_of(w.data, w.length);
+    message_get_step(&r, &in);
+    CHECK(bytes_done(&r));
+    CHECK(in.step == 12 && in.rebuild && in.owned == 40 && in.migrants == 2 && in.measured && in.hashed &&
+          in.hash == 0xfeedU);
+    CHECK_SAME_BITS(in.dmax, 0.5);
+    CHECK(memcmp(&in.measures.kinetic, &out.measures.kinetic, sizeof in.measures.kinetic) == 0);
+    CHECK(memcmp(&in.measures.probe, &out.measures.probe, sizeof in.measures.probe) == 0);
+    CHECK_SAME_BITS(in.measures.p_min, INFINITY);
+    for (size_t n = 0; n < w.length; n++) {
+        r = bytes_reader_of(w.data, n);
+        message_get_step(&r, &in);
+        CHECK(r.failed);
+    }
+    bytes_clear(&w);
+    out.dmax = NAN;
+    message_put_step(&w, &out);
+    r = bytes_reader_of(w.data, w.length);
+    message_get_step(&r, &in);
+    CHECK(r.failed);
+    bytes_free(&w);
+}
+
+TEST(a_deck_message_round_trip)
+{
+    struct bytes_writer w = {0};
+    char define[2][8] = {"n=3", "scale=2"}, name[2][8] = {"a.dm2", "b.dm2"},
+         text[2][16] = {"domain {}\n", ""};
+    char *defines[] = {define[0], define[1]}, path[] = "input/a.dm2";
+    struct deck_text texts[] = {{name[0], text[0], 10}, {name[1], text[1], 0}};
+    struct deck_message out = {.with_texts = true, .name = path, .digest = {1, 2, 3}}, in;
+    out.source =
+        (struct deck_source){.texts = texts, .n_texts = 2, .defines = defines, .n_defines = 2, .steps = -1};
+    message_put_deck(&w, &out);
+    struct bytes_reader r = bytes_reader_of(w.data, w.length);
+    message_get_deck(&r, &in);
+    CHECK(!r.failed);
+    CHECK_STR(in.name, "input/a.dm2");
+    CHECK_EQ_INT(in.source.n_texts, 2);
+    CHECK_STR(in.source.texts[0].text, "domain {}\n");
+    CHECK_EQ_INT(in.source.texts[0].length, 10);
+    CHECK_STR(in.source.defines[1], "scale=2");
+    CHECK_EQ_INT(in.source.steps, -1);
+    message_free_deck(&in);
+    for (size_t n = 0; n < w.length; n++) {
+        r = bytes_reader_of(w.data, n);
+        message_get_deck(&r, &in);
+        CHECK(r.failed);
+        message_free_deck(&in);
+    }
+    for (size_t at = 0; at < w.length; at++) {
+        w.data[at] ^= 0xff;
+        r = bytes_reader_of(w.data, w.length);
+        message_get_deck(&r, &in);
+        message_free_deck(&in);
+        w.data[at] ^= 0xff;
+    }
+    bytes_free(&w);
+}
+
+TEST(an_assign_message_round_trip)
+{
+    struct bytes_writer w = {0};
+    struct cell_rect rects[2] = {{0, 0, 2, 4}, {2, 0, 4, 4}};
+    struct assign_message out = {.rank = 1,
+                                 .ranks = 2,
+                                 .cx = 4,
+                                 .cy = 4,
+                                 .elements = 99,
+                                 .rects = rects,
+                                 .interfaces = {1, 0, 0, 0, 0, 0, 0, 0},
+                                 .timeout = 60,
+                                 .hash_every = 5,
+                                 .rebuild_first = true},
+                          in;
+    message_put_assign(&w, &out);
+    struct bytes_reader r = bytes_reader_of(w.data, w.length);
+    message_get_assign(&r, &in);
+    CHECK(!r.failed);
+    CHECK(in.rank == 1 && in.ranks == 2 && in.cx == 4 && in.elements == 99 && in.rects[1].x1 == 4 &&
+          in.interfaces[0] == 1 && in.hash_every == 5 && in.rebuild_first);
+    message_free_assign(&in);
+    for (size_t n = 0; n < w.length; n++) {
+        r = bytes_reader_of(w.data, n);
+        message_get_assign(&r, &in);
+        CHECK(r.failed);
+        message_free_assign(&in);
+    }
+    out.rank = 2;
+    bytes_clear(&w);
+    message_put_assign(&w, &out);
+    r = bytes_reader_of(w.data, w.length);
+    message_get_assign(&r, &in);
+    CHECK(r.failed);
+    message_free_assign(&in);
+    bytes_free(&w);
+}
+
+TEST(the_small_messages)
+{
+    struct bytes_writer w = {0};
+    struct hello_message hello = {.fingerprint = 42, .version = "1.2"}, hello_in;
+    message_put_hello(&w, &hello);
+    struct bytes_reader r = bytes_reader_of(w.data, w.length);
+    message_get_hello(&r, &hello_in);
+    CHECK(!r.failed && hello_in.fingerprint == 42);
+    CHECK_STR(hello_in.version, "1.2");
+    bytes_clear(&w);
+    struct next_message next = {.step = 3, .redo = true}, next_in;
+    message_put_next(&w, &next);
+    r = bytes_reader_of(w.data, w.length);
+    message_get_next(&r, &next_in);
+    CHECK(bytes_done(&r) && next_in.redo && !next_in.rebuild_next && next_in.step == 3);
+    bytes_clear(&w);
+    struct done_message done = {.measures = some_measures(), .times = {.forces = 1.5, .bytes_out = 77}},
+                        done_in;
+    message_put_done(&w, &done);
+    r = bytes_reader_of(w.data, w.length);
+    message_get_done(&r, &done_in);
+    CHECK(!r.failed && done_in.times.bytes_out == 77);
+    CHECK_SAME_BITS(done_in.times.forces, 1.5);
+    bytes_clear(&w);
+    struct error_message error = {.status = DM2_NUMERIC, .text = "bad \033[2J\a"}, error_in;
+    message_put_error(&w, &error);
+    r = bytes_reader_of(w.data, w.length);
+    message_get_error(&r, &error_in);
+    CHECK(!r.failed && error_in.status == DM2_NUMERIC);
+    CHECK_STR(error_in.text, "bad ?[2J?"); /* no escape sequences on somebody's terminal */
+    bytes_free(&w);
+}
+
+/* A part of a state: elements first .. first + n - 1, and one pair. */
+static enum dm2_status add_part(struct state_merge *m, uint32_t first, uint32_t n, struct pair_record pair,
+                                struct dm2_error *err)
+{
+    struct bytes_writer w = {0};
+    struct state_message head = {
+        .step = 4, .purpose = STATE_FINAL, .last = true, .n_elements = n, .n_pairs = 1};
+    message_put_state(&w, &head);
+    for (uint32_t k = 0; k < n; k++) {
+        struct element e = some_element(first + k);
+        wire_put_element(&w, &e);
+    }
+    wire_put_pair(&w, &pair);
+    struct bytes_reader r = bytes_reader_of(w.data, w.length);
+    message_get_state(&r, &head);
+    CHECK(!r.failed);
+    enum dm2_status status = state_merge_add(m, &head, &r, err);
+    bytes_free(&w);
+    return status;
+}
+
+TEST(a_state_is_compiled_from_parts)
+{
+    struct state_merge m;
+    struct dm2_error err = {0};
+    const struct wire_limits ten = {.elements = 10, .bodies = 2, .kinds = 3};
+    state_merge_open(&m, ten);
+    for (int round = 0; round < 2; round++) {
+        state_merge_clear(&m);
+        CHECK_EQ_INT(add_part(&m, 6, 4, (struct pair_record){6, 9, 1, 0, 0}, &err), DM2_OK);
+        CHECK_EQ_INT(add_part(&m, 3, 3, (struct pair_record){0, 9, 1, 0, 0}, &err), DM2_OK);
+        CHECK_EQ_INT(state_merge_finish(&m, &err), DM2_PROTOCOL);
+        CHECK_CONTAINS(err.text, "3 of 10 elements are missing, the first is element 0");
+        CHECK_EQ_INT(add_part(&m, 0, 3, (struct pair_record){0, 1, 1, 0, 0}, &err), DM2_OK);
+        CHECK_EQ_INT(state_merge_finish(&m, &err), DM2_OK);
+        for (uint32_t k = 0; k < 10; k++)
+            CHECK_EQ_INT(m.elements[k].id, k);
+        CHECK_EQ_INT(m.n_pairs, 3);
+        CHECK(m.pairs[0].id_b == 1 && m.pairs[1].id_b == 9 && m.pairs[2].id_a == 6);
+        CHECK_EQ_INT(add_part(&m, 4, 1, (struct pair_record){0, 1, 1, 0, 0}, &err), DM2_PROTOCOL);
+        CHECK_CONTAINS(err.text, "element 4 came twice");
+    }
+    state_merge_clear(&m);
+    CHECK_EQ_INT(add_part(&m, 0, 5, (struct pair_record){1, 3, 1, 0, 0}, &err), DM2_OK);
+    CHECK_EQ_INT(add_part(&m, 5, 5, (struct pair_record){1, 3, 1, 0, 0}, &err), DM2_OK);
+    CHECK_EQ_INT(state_merge_finish(&m, &err), DM2_PROTOCOL);
+    CHECK_CONTAINS(err.text, "pair 1-3 came twice");
+    state_merge_free(&m);
+}
+
+TEST_MAIN(CASE(sizes), CASE(a_parcel_round_trip), CASE(elements_that_cannot_be), CASE(pairs_that_cannot_be),
+          CASE(a_step_message_round_trip), CASE(a_deck_message_round_trip),
+          CASE(an_assign_message_round_trip), CASE(the_small_messages), CASE(a_state_is_compiled_from_parts))
