@@ -1,7 +1,6 @@
 /* The values of one entry, by its type in the schema. A value that does not read leaves one finding, marks
  * its entry bad, and leaves NaN (a real) or the default (anything else), so that later checks stay silent
  * about it. */
-#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,11 +15,7 @@
 
 const char *number_text(double value, struct number_text *out)
 {
-    for (int digits = 15; digits <= 17; digits++) {
-        (void)snprintf(out->text, sizeof out->text, "%.*g", digits, value);
-        if (strtod(out->text, NULL) == value)
-            break;
-    }
+    (void)number_format(value, out->text);
     return out->text;
 }
 

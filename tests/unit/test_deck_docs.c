@@ -1,6 +1,7 @@
 /* docs/deck.md has every keyword of the schema, in the section of its block, with the values, default and
  * meaning that the schema gives; and no keyword that the schema does not have. */
 #include "check.h"
+#include "deck_help.h"
 #include "dm2/sim/deck_schema.h"
 
 static void value_text(const struct deck_key *key, char *out, size_t size)
@@ -46,6 +47,7 @@ static void value_text(const struct deck_key *key, char *out, size_t size)
 
 static char *read_text(const char *path)
 {
+    enter_source_tree();
     FILE *f = fopen(path, "rb");
     char *text = malloc(1 << 18);
     CHECK(f != NULL);

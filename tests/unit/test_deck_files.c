@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "check.h"
+#include "deck_help.h"
 #include "dm2/base/mem.h"
 #include "dm2/sim/deck.h"
 
@@ -61,6 +62,7 @@ static int compare_names(const void *a, const void *b)
 /* The decks of a folder, sorted. */
 static size_t list_decks(const char *folder, char **names)
 {
+    enter_source_tree();
     DIR *dir = opendir(folder);
     size_t n = 0;
     CHECK(dir != NULL);

@@ -3,6 +3,7 @@
 #include <limits.h>
 
 #include "check.h"
+#include "deck_help.h"
 #include "dm2/base/mem.h"
 #include "dm2/sim/deck.h"
 #include "dm2/sim/shape.h"
@@ -12,6 +13,7 @@ static enum dm2_status load_file(const char *path, const char *define, struct co
     struct deck_source source;
     struct deck_report report;
     struct dm2_error err;
+    enter_source_tree();
     CHECK_EQ_INT(deck_source_read(path, &source, &err), DM2_OK);
     if (define != NULL) {
         source.defines = mem_zalloc(1, sizeof(char *));

@@ -1,90 +1,59 @@
 /* Reading decks from disk: what is included, what cannot be read, and limits on what comes in over a wire. */
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include "check.h"
 #include "deck_help.h"
 #include "dm2/sim/deck_source.h"
 #include "dm2/sim/findings.h"
 #include "dm2/sim/words.h"
-
-static char folder[64];
-
-static void enter_folder(void)
-{
-    (void)strcpy(folder, "/tmp/dm2-deck-XXXXXX");
-    CHECK(mkdtemp(folder) != NULL);
-}
-
-static const char *path_of(const char *name)
-{
-    static char path[200];
-    (void)snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
-
-static void write_file(const char *name, const char *text)
-{
-    FILE *f = fopen(path_of(name), "wb");
-    CHECK(f != NULL && fputs(text, f) >= 0 && fclose(f) == 0);
-}
-
-static void remove_all(const char *const *names)
-{
-    for (; *names != NULL; names++)
-        (void)remove(path_of(*names));
-    (void)rmdir(folder);
-}
+#include "scratch.h"
 
 TEST(included_files_are_read_once)
 {
-    enter_folder();
-    (void)mkdir(path_of("sub"), 0777);
-    write_file("main", "include \"a\"\ndomain { x = include \"no\" }\n# include \"no\"\nlet x = 1; include "
-                       "\"sub/b\" ; include \"a\"\n"
-                       "include \"../no\"\ninclude \"/no\"\ninclude no\n");
-    write_file("a", "include \"main\"\n");
-    write_file("sub/b", "include \"c\"");
-    write_file("sub/c", "include \"./c\"");
+    scratch_begin();
+    (void)mkdir(scratch_path("sub"), 0777);
+    scratch_write("main",
+                  "include \"a\"\ndomain { x = include \"no\" }\n# include \"no\"\nlet x = 1; include "
+                  "\"sub/b\" ; include \"a\"\n"
+                  "include \"../no\"\ninclude \"/no\"\ninclude no\n");
+    scratch_write("a", "include \"main\"\n");
+    scratch_write("sub/b", "include \"c\"");
+    scratch_write("sub/c", "include \"./c\"");
     struct deck_source s;
     struct dm2_error err = {0};
-    CHECK_EQ_INT(deck_source_read(path_of("main"), &s, &err), DM2_OK);
+    CHECK_EQ_INT(deck_source_read(scratch_path("main"), &s, &err), DM2_OK);
     CHECK_STR(err.text, "");
     CHECK_EQ_INT(s.n_texts, 4);
     if (s.n_texts == 4) {
-        CHECK_STR(s.texts[1].name, path_of("a"));
-        CHECK_STR(s.texts[2].name, path_of("sub/b"));
-        CHECK_STR(s.texts[3].name, path_of("sub/c"));
+        CHECK_STR(s.texts[1].name, scratch_path("a"));
+        CHECK_STR(s.texts[2].name, scratch_path("sub/b"));
+        CHECK_STR(s.texts[3].name, scratch_path("sub/c"));
         CHECK_EQ_INT(s.texts[3].length, 13);
     }
     CHECK_EQ_INT(s.steps, -1);
     deck_source_free(&s);
-    static const char *const names[] = {"main", "a", "sub/b", "sub/c", "sub", NULL};
-    remove_all(names);
+    scratch_end();
 }
 
 TEST(what_cannot_be_read)
 {
     struct deck_source s;
     struct dm2_error err;
-    enter_folder();
-    CHECK_EQ_INT(deck_source_read(path_of("absent"), &s, &err), DM2_IO);
+    scratch_begin();
+    CHECK_EQ_INT(deck_source_read(scratch_path("absent"), &s, &err), DM2_IO);
     CHECK_CONTAINS(err.text, "No such file");
-    CHECK_EQ_INT(deck_source_read(folder, &s, &err), DM2_IO);
-    CHECK_CONTAINS(err.text, "not a regular file");
-    CHECK_EQ_INT(mkfifo(path_of("pipe"), 0600), 0);
-    CHECK_EQ_INT(deck_source_read(path_of("pipe"), &s, &err), DM2_IO);
-    write_file("main", "\n\ninclude \"pipe\"\n");
-    CHECK_EQ_INT(deck_source_read(path_of("main"), &s, &err), DM2_IO);
+    CHECK_EQ_INT(deck_source_read(scratch_directory, &s, &err), DM2_IO);
+    CHECK_CONTAINS(err.text, scratch_directory);
+    CHECK_EQ_INT(mkfifo(scratch_path("pipe"), 0600), 0);
+    CHECK_EQ_INT(deck_source_read(scratch_path("pipe"), &s, &err), DM2_IO);
+    scratch_write("main", "\n\ninclude \"pipe\"\n");
+    CHECK_EQ_INT(deck_source_read(scratch_path("main"), &s, &err), DM2_IO);
     CHECK_CONTAINS(err.text, "main:3: ");
     CHECK_EQ_INT(s.n_texts, 0);
     /* Sparse: 17 MiB of nothing. */
-    write_file("large", "#");
-    CHECK_EQ_INT(truncate(path_of("large"), 17 << 20), 0);
-    CHECK_EQ_INT(deck_source_read(path_of("large"), &s, &err), DM2_DECK);
-    CHECK_CONTAINS(err.text, "larger than 16 MiB");
-    static const char *const names[] = {"pipe", "main", "large", NULL};
-    remove_all(names);
+    scratch_write("large", "#");
+    CHECK_EQ_INT(truncate(scratch_path("large"), 17 << 20), 0);
+    CHECK_EQ_INT(deck_source_read(scratch_path("large"), &s, &err), DM2_IO);
+    CHECK_CONTAINS(err.text, "16777216");
+    scratch_end();
 }
 
 TEST(too_many_files)
@@ -92,19 +61,15 @@ TEST(too_many_files)
     struct deck_source s;
     struct dm2_error err;
     char name[20], text[60];
-    enter_folder();
+    scratch_begin();
     for (int i = 0; i < 70; i++) {
         (void)snprintf(name, sizeof name, "f%d", i);
         (void)snprintf(text, sizeof text, "include \"f%d\"\n", i + 1);
-        write_file(name, text);
+        scratch_write(name, text);
     }
-    CHECK_EQ_INT(deck_source_read(path_of("f0"), &s, &err), DM2_DECK);
+    CHECK_EQ_INT(deck_source_read(scratch_path("f0"), &s, &err), DM2_DECK);
     CHECK_CONTAINS(err.text, "more than 63 files");
-    for (int i = 0; i < 70; i++) {
-        (void)snprintf(name, sizeof name, "f%d", i);
-        (void)remove(path_of(name));
-    }
-    (void)rmdir(folder);
+    scratch_end();
 }
 
 static void check_name(const char *includer, const char *path, const char *want)

@@ -3,6 +3,7 @@
 #ifndef DM2_SIM_DECK_BIND_H
 #define DM2_SIM_DECK_BIND_H
 
+#include "dm2/base/number.h"
 #include "dm2/sim/config.h"
 #include "dm2/sim/deck_schema.h"
 #include "dm2/sim/deck_tree.h"
@@ -45,7 +46,7 @@ int binding_material(struct deck_binding *b, struct deck_place name);
 
 /* A double as messages show it, with the fewest digits that read back. */
 struct number_text {
-    char text[32];
+    char text[NUMBER_TEXT_MAX];
 };
 const char *number_text(double value, struct number_text *out);
 
