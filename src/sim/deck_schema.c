@@ -170,7 +170,10 @@ static const struct deck_key body_keys[] = {
      .meaning = "materials and their fractions, at random over the elements: `Ni 0.5, Al 0.5`"},
     {"seed", VALUE_WHOLE, 1, PLAIN, NOT_NEGATIVE, .initial = "0", FIELD(seed),
      .meaning = "of the mix and of the random velocities"},
-    {"velocity", VALUE_REAL, 2, VELOCITY, ANY, .initial = "0 0", FIELD(velocity), .meaning = "at the start"},
+    {"motion", VALUE_CHOICE, 1, PLAIN, ANY, .choices = "free|fixed|driven", .initial = "free", FIELD(motion),
+     .meaning = "`free`: forces move it; `fixed`: it stays; `driven`: it keeps `velocity`, whatever the forces (a piston)"},
+    {"velocity", VALUE_REAL, 2, VELOCITY, ANY, .initial = "0 0", FIELD(velocity),
+     .meaning = "at the start, or for ever if driven"},
     {"jitter", VALUE_REAL, 1, VELOCITY, NOT_NEGATIVE, .initial = "0", FIELD(jitter),
      .meaning =
          "random part of each element's velocity: each component is uniform within plus or minus this"},
