@@ -31,9 +31,9 @@ static void **column_of(struct particles *p, size_t c)
 
 int particles_reserve(struct particles *p, size_t n)
 {
-    if (n <= p->cap)
+    if (n < p->cap)
         return 0;
-    size_t cap = p->cap == 0 ? n : n + n / 16;
+    size_t cap = (p->cap == 0 ? n : n + n / 16) + 1;
     void *grown[COLUMNS];
     for (size_t c = 0; c < COLUMNS; c++) {
         grown[c] = mem_alloc(cap, columns[c].bytes);
