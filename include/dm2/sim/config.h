@@ -22,6 +22,7 @@ enum search_kind { SEARCH_CELLS_AND_LISTS, SEARCH_LISTS, SEARCH_CELLS };
 enum balance_kind { BALANCE_SPACE, BALANCE_PARTICLES };
 enum lattice_kind { LATTICE_HEXAGONAL, LATTICE_SQUARE };
 enum motion_kind { MOTION_FREE, MOTION_FIXED, MOTION_DRIVEN };
+enum structure_kind { STRUCTURE_CRYSTAL, STRUCTURE_POLYCRYSTAL, STRUCTURE_DISCS, STRUCTURE_POLYGONS };
 enum shape_kind { SHAPE_RECTANGLE, SHAPE_DISC, SHAPE_POLYGON };
 
 /* material NAME { ... } */
@@ -78,6 +79,11 @@ struct body_config {
     name_text name;
     struct shape_config shape;
     enum lattice_kind lattice;
+    enum structure_kind structure; /* one crystal, a polycrystal, a powder of discs or of polygons */
+    double grain_size;     /* mean diameter of grains, cm; NaN for a crystal */
+    double grain_spread;   /* of a powder: diameters are uniform in grain_size (1 +- spread) */
+    double solid_fraction; /* of a powder: area of the grains in that of the shape; NaN otherwise */
+    double missing_links;  /* fraction of the body's own first links that are not there */
     double spacing;     /* d, cm */
     double row_spacing; /* cm; default sqrt(3)/2 d, or d on the square lattice */
     double origin[2];   /* where one site lies, cm; rows are counted from there */
@@ -86,11 +92,25 @@ struct body_config {
     size_t n_mix;       /* materials and their volume fractions; the fractions sum to 1 */
     int mix_material[MIX_MAX];
     double mix_fraction[MIX_MAX];
-    uint64_t seed;      /* of the mix and of the random velocities */
+    uint64_t seed;      /* of all that is random in the body */
     enum motion_kind motion; /* free, fixed in its place, or driven: `velocity` for ever, whatever the forces */
     double velocity[2]; /* cm/us */
     double jitter;      /* each velocity component is uniform in +-jitter about it, cm/us; default 0 */
     double temperature; /* K, default 300 */
+};
+
+/* void NAME { ... }: elements of the body, or of any body, whose centre would lie in the shape are left out. */
+struct void_config {
+    name_text name;
+    struct shape_config shape;
+    int body; /* -1: any */
+};
+
+/* flaw NAME { ... }: a line across which there are no first links, within the body or within and between any. */
+struct flaw_config {
+    name_text name;
+    double line[4]; /* x0 y0 x1 y1, cm */
+    int body;       /* -1: any */
 };
 
 /* probe NAME { region = x0 y0 x1 y1 }: the elements that start there; their mean position and velocity
@@ -118,10 +138,12 @@ struct config {
     double dt;                 /* us */
     int64_t steps;
     double gravity[2];         /* body acceleration, cm/us2 */
-    size_t n_materials, n_bodies, n_probes;
+    size_t n_materials, n_bodies, n_probes, n_voids, n_flaws;
     struct material_config *materials;
     struct body_config *bodies;
     struct probe_config *probes;
+    struct void_config *voids;
+    struct flaw_config *flaws;
     struct output_config output;
     struct interaction_rule *rules; /* in deck order; read with config_interaction */
     size_t n_rules;
