@@ -1,4 +1,5 @@
-/* Bodies and probes: shapes, what they are made of, whether they lie in the domain and apart from one another. */
+/* Bodies and probes: shapes, what they are made of, whether they lie in the domain and apart from one
+ * another. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -40,11 +41,11 @@ static void check_mix(const struct deck_binding *b, size_t i)
 {
     const struct body_config *body = &b->config->bodies[i];
     size_t block = b->body_block[i];
-    struct number_text sum_text, t, tm;
+    struct number_text t, tm;
     double sum = 0;
     if (binding_missing(b, block, "material") && binding_missing(b, block, "mix"))
-        findings_error(b->findings, binding_place(b, block, "material", 0), "the body '%s' lacks 'material' or 'mix'",
-                       body->name);
+        findings_error(b->findings, binding_place(b, block, "material", 0),
+                       "the body '%s' lacks 'material' or 'mix'", body->name);
     if (binding_given(b, block, "material") && binding_given(b, block, "mix"))
         findings_error(b->findings, binding_place(b, block, "mix", 0), "give 'material' or 'mix', not both");
     for (size_t m = 0; m < body->n_mix; m++) {
@@ -53,11 +54,12 @@ static void check_mix(const struct deck_binding *b, size_t i)
         if (body->temperature >= material->tm)
             findings_error(b->findings, binding_place(b, block, "temperature", 0),
                            "the body '%s' starts at %s K, but its material '%s' melts at %s K", body->name,
-                           number_text(body->temperature, &t), material->name, number_text(material->tm, &tm));
+                           number_text(body->temperature, &t), material->name,
+                           number_text(material->tm, &tm));
     }
     if (body->n_mix > 0 && fabs(sum - 1) > 1e-6)
-        findings_error(b->findings, binding_place(b, block, "mix", 0), "the fractions of the mix sum to %s, not to 1",
-                       number_text(sum, &sum_text));
+        findings_error(b->findings, binding_place(b, block, "mix", 0),
+                       "the fractions of the mix sum to %.9g, not to 1", sum);
 }
 
 /* A fixed body has no velocity, one of prescribed motion no random one. */
@@ -74,11 +76,12 @@ static void check_motion(const struct deck_binding *b, size_t i)
                        "the motion of the body '%s' is prescribed: it has no random velocities", body->name);
 }
 
-static void check_no_meaning(const struct deck_binding *b, size_t block, const char *key, const char *structure)
+static void check_no_meaning(const struct deck_binding *b, size_t block, const char *key,
+                             const char *structure)
 {
     if (binding_given(b, block, key))
-        findings_error(b->findings, binding_place(b, block, key, 0), "'%s' has no meaning for a body whose structure is %s",
-                       key, structure);
+        findings_error(b->findings, binding_place(b, block, key, 0),
+                       "'%s' has no meaning for a body whose structure is %s", key, structure);
 }
 
 /* Grains: what each structure needs, and what it cannot use. */
@@ -89,12 +92,14 @@ static void check_structure(const struct deck_binding *b, size_t i)
     const char *structure = names[body->structure];
     size_t block = b->body_block[i];
     struct number_text size, spacing;
-    bool crystal = body->structure == STRUCTURE_CRYSTAL, powder = !crystal && body->structure != STRUCTURE_POLYCRYSTAL;
+    bool crystal = body->structure == STRUCTURE_CRYSTAL,
+         powder = !crystal && body->structure != STRUCTURE_POLYCRYSTAL;
     if (!crystal && binding_missing(b, block, "grain_size"))
-        findings_error(b->findings, binding_place(b, block, "structure", 0), "the body '%s' lacks 'grain_size'", body->name);
+        findings_error(b->findings, binding_place(b, block, "structure", 0),
+                       "the body '%s' lacks 'grain_size'", body->name);
     if (powder && binding_missing(b, block, "solid_fraction"))
-        findings_error(b->findings, binding_place(b, block, "structure", 0), "the body '%s' lacks 'solid_fraction'",
-                       body->name);
+        findings_error(b->findings, binding_place(b, block, "structure", 0),
+                       "the body '%s' lacks 'solid_fraction'", body->name);
     if (powder && body->shape.kind == SHAPE_POLYGON && binding_given(b, block, "shape"))
         findings_error(b->findings, binding_place(b, block, "shape", 0),
                        "a powder fills a rectangle or a disc, not a polygon");
@@ -107,7 +112,8 @@ static void check_structure(const struct deck_binding *b, size_t i)
     shape_box(&body->shape, box);
     if (powder && body_shape_known(b, i) && (largest > box[2] - box[0] || largest > box[3] - box[1]))
         findings_error(b->findings, binding_place(b, block, "grain_size", 0),
-                       "a grain of %s cm does not fit into the body '%s'", number_text(largest, &size), body->name);
+                       "a grain of %s cm does not fit into the body '%s'", number_text(largest, &size),
+                       body->name);
     if (crystal)
         check_no_meaning(b, block, "grain_size", structure);
     if (!powder) {
@@ -158,8 +164,8 @@ static int compare_extents(const void *a, const void *b)
     return x->body < y->body ? -1 : x->body > y->body;
 }
 
-/* Has one of the bodies a void of its own where the other is? Then it makes room for it; should it not, elements that
- * overlap are found when they are made. */
+/* Has one of the bodies a void of its own where the other is? Then it makes room for it; should it not,
+ * elements that overlap are found when they are made. */
 static bool room_made(const struct config *c, size_t i, size_t j)
 {
     for (size_t k = 0; k < c->n_voids; k++) {
@@ -181,8 +187,8 @@ static void check_overlap(const struct deck_binding *b, size_t i, size_t j)
     if (bad || !shape_overlaps(&x->shape, &y->shape) || room_made(b->config, first, second))
         return;
     if (x->velocity[0] != y->velocity[0] || x->velocity[1] != y->velocity[1])
-        findings_error(b->findings, place, "the bodies '%s' and '%s' overlap, and their velocities differ", x->name,
-                       y->name);
+        findings_error(b->findings, place, "the bodies '%s' and '%s' overlap, and their velocities differ",
+                       x->name, y->name);
     else
         findings_warn(b->findings, place, "the bodies '%s' and '%s' overlap: elements may lie on one another",
                       x->name, y->name);
@@ -193,7 +199,8 @@ static void check_overlaps(const struct deck_binding *b, struct extent *extents,
 {
     qsort(extents, n, sizeof *extents, compare_extents);
     for (size_t i = 0; i < n; i++)
-        for (size_t j = i + 1; j < n && extents[j].box[0] < extents[i].box[2] && !b->findings->more_errors; j++)
+        for (size_t j = i + 1; j < n && extents[j].box[0] < extents[i].box[2] && !b->findings->more_errors;
+             j++)
             check_overlap(b, extents[i].body, extents[j].body);
 }
 
@@ -242,8 +249,8 @@ static void check_voids(const struct deck_binding *b)
         if (problem != NULL)
             findings_error(b->findings, binding_place(b, block, "shape", 0), "%s", problem);
         else if (!meets_a_body(b, &v->shape, v->body))
-            findings_error(b->findings, binding_place(b, block, "shape", 0), "the void '%s' lies outside %s", v->name,
-                           v->body >= 0 ? "its body" : "every body");
+            findings_error(b->findings, binding_place(b, block, "shape", 0), "the void '%s' lies outside %s",
+                           v->name, v->body >= 0 ? "its body" : "every body");
     }
 }
 
@@ -251,8 +258,10 @@ static void check_voids(const struct deck_binding *b)
 static struct shape_config sliver(const double line[4])
 {
     double dx = line[2] - line[0], dy = line[3] - line[1], thin = 1e-9;
-    struct shape_config s = {.kind = SHAPE_POLYGON, .n_vertices = 4,
-                             .vertex = {{line[0], line[1]}, {line[2], line[3]},
+    struct shape_config s = {.kind = SHAPE_POLYGON,
+                             .n_vertices = 4,
+                             .vertex = {{line[0], line[1]},
+                                        {line[2], line[3]},
                                         {line[2] - thin * dy, line[3] + thin * dx},
                                         {line[0] - thin * dy, line[1] + thin * dx}}};
     return s;
@@ -267,10 +276,11 @@ static void check_flaws(const struct deck_binding *b)
         if (!binding_given(b, block, "line") || binding_bad(b, block, "body"))
             continue;
         if (f->line[0] == f->line[2] && f->line[1] == f->line[3])
-            findings_error(b->findings, binding_place(b, block, "line", 0), "a line is x0 y0 x1 y1 between two points");
+            findings_error(b->findings, binding_place(b, block, "line", 0),
+                           "a line is x0 y0 x1 y1 between two points");
         else if (!meets_a_body(b, &s, f->body))
-            findings_error(b->findings, binding_place(b, block, "line", 0), "the flaw '%s' lies outside %s", f->name,
-                           f->body >= 0 ? "its body" : "every body");
+            findings_error(b->findings, binding_place(b, block, "line", 0), "the flaw '%s' lies outside %s",
+                           f->name, f->body >= 0 ? "its body" : "every body");
     }
 }
 
@@ -297,8 +307,8 @@ bool check_bodies(const struct deck_binding *b)
         elements += own > 0 ? own : 0;
         if (elements > DECK_MAX_ELEMENTS) {
             findings_error(b->findings, binding_place(b, b->body_block[i], "spacing", 0),
-                           "the deck would have about %.3g elements with the body '%s'; the most is %.3g", elements,
-                           body->name, DECK_MAX_ELEMENTS);
+                           "the deck would have about %.3g elements with the body '%s'; the most is %.3g",
+                           elements, body->name, DECK_MAX_ELEMENTS);
             elements = 0;
         }
     }

@@ -1,7 +1,7 @@
-/* A link is a segment from centre to centre. Two segments cross where the ends of each lie on different sides of the
- * other; an end on the line counts as one of the sides, so that a line through a row of centres cuts the links on one
- * side of it and leaves those on the other. The ends are taken in the order of their ids: every server that sees the
- * link decides with the same numbers. */
+/* A link is a segment from centre to centre. Two segments cross where the ends of each lie on different sides
+ * of the other; an end on the line counts as one of the sides, so that a line through a row of centres cuts
+ * the links on one side of it and leaves those on the other. The ends are taken in the order of their ids:
+ * every server that sees the link decides with the same numbers. */
 #include "dm2/sim/flaws.h"
 
 #include "dm2/base/random.h"
@@ -14,11 +14,13 @@ static bool left_of(const double *a, const double *b, const double *p)
 
 static bool crosses(const double line[4], const double p[2], const double q[2])
 {
-    return left_of(line, line + 2, p) != left_of(line, line + 2, q) && left_of(p, q, line) != left_of(p, q, line + 2);
+    return left_of(line, line + 2, p) != left_of(line, line + 2, q) &&
+           left_of(p, q, line) != left_of(p, q, line + 2);
 }
 
 /* Across a seam the link is looked at from both of its ends. */
-static bool cut(const struct flaw_config *f, struct link_end low, struct link_end high, const double from_high[2])
+static bool cut(const struct flaw_config *f, struct link_end low, struct link_end high,
+                const double from_high[2])
 {
     double low_image[2], high_image[2];
     if (f->body >= 0 && (f->body != low.body || f->body != high.body))

@@ -1,8 +1,9 @@
 /* A body is a shape filled with the sites of a lattice: site (row j, column i) lies at
  *   hexagonal: origin + (i + (j odd ? 1/2 : 0)) d along the row + j row_spacing across it,
  *   square:    origin + i d + j row_spacing,
- * turned about the origin by the body's angle. An element is made where a site's centre is in the shape and in no void.
- * A polycrystal or powder is made grain by grain, each with its own angle and origin (dm2/sim/grains.h). */
+ * turned about the origin by the body's angle. An element is made where a site's centre is in the shape and
+ * in no void. A polycrystal or powder is made grain by grain, each with its own angle and origin
+ * (dm2/sim/grains.h). */
 #include "dm2/sim/generate.h"
 
 #include <math.h>
@@ -21,11 +22,14 @@ struct sites {
 };
 
 /* The sites of a lattice through `origin` that may lie in the box. */
-static void sites_in(const struct body_config *b, const double origin[2], double cosine, double sine, const double box[4],
-                     struct sites *s)
+static void sites_in(const struct body_config *b, const double origin[2], double cosine, double sine,
+                     const double box[4], struct sites *s)
 {
     double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
-    *s = (struct sites){.origin = {origin[0], origin[1]}, .cosine = cosine, .sine = sine, .d = b->spacing,
+    *s = (struct sites){.origin = {origin[0], origin[1]},
+                        .cosine = cosine,
+                        .sine = sine,
+                        .d = b->spacing,
                         .row = b->row_spacing};
     s->shift = b->lattice == LATTICE_HEXAGONAL ? 0.5 * b->spacing : 0.0;
     for (int corner = 0; corner < 4; corner++) {
@@ -49,8 +53,8 @@ static void site_position(const struct sites *s, int64_t row, int64_t column, do
     out[1] = s->origin[1] + (s->sine * along + s->cosine * across);
 }
 
-/* The material of an element of a mix (of a grain, where the body has grains): the one in whose share of [0, 1) the
- * random number of its id falls. */
+/* The material of an element of a mix (of a grain, where the body has grains): the one in whose share of [0,
+ * 1) the random number of its id falls. */
 static int choose_material(const struct body_config *b, uint32_t id)
 {
     if (b->n_mix == 1)
@@ -80,15 +84,16 @@ struct generation {
     const struct model *model;
     element_sink sink;
     void *context;
-    uint64_t id;           /* of the next element */
-    uint64_t grain;        /* of the next grain */
+    uint64_t id;    /* of the next element */
+    uint64_t grain; /* of the next grain */
     size_t body;
-    bool has_voids;        /* some void may be in this body */
-    struct grain_set set;  /* of this body, where it has grains */
-    double apart;          /* least distance of elements of two grains, cm */
+    bool has_voids;       /* some void may be in this body */
+    struct grain_set set; /* of this body, where it has grains */
+    double apart;         /* least distance of elements of two grains, cm */
 };
 
-static enum dm2_status make_element(struct generation *g, uint64_t grain, const double r[2], struct dm2_error *err)
+static enum dm2_status make_element(struct generation *g, uint64_t grain, const double r[2],
+                                    struct dm2_error *err)
 {
     const struct model *model = g->model;
     const struct config *c = model->config;
@@ -98,8 +103,12 @@ static enum dm2_status make_element(struct generation *g, uint64_t grain, const 
     uint32_t id = (uint32_t)g->id++;
     int material = choose_material(b, b->structure == STRUCTURE_CRYSTAL ? id : (uint32_t)grain);
     const struct kind *kind = &model->kinds[material];
-    struct element e = {.id = id, .grain = (uint32_t)grain, .body = (uint16_t)g->body, .kind = (uint16_t)material,
-                        .flags = b->motion == MOTION_FREE ? 0 : ELEMENT_FIXED_MOTION, .radius = b->radius};
+    struct element e = {.id = id,
+                        .grain = (uint32_t)grain,
+                        .body = (uint16_t)g->body,
+                        .kind = (uint16_t)material,
+                        .flags = b->motion == MOTION_FREE ? 0 : ELEMENT_FIXED_MOTION,
+                        .radius = b->radius};
     e.mass = model_element_mass(&c->materials[material], b->radius);
     for (int a = 0; a < 2; a++) {
         e.r[a] = r[a];
@@ -133,8 +142,8 @@ static enum dm2_status fill_crystal(struct generation *g, struct dm2_error *err)
     double box[4];
     struct sites s;
     shape_box(&b->shape, box);
-    sites_in(b, b->origin, b->angle != 0.0 ? real_cos(b->angle) : 1.0, b->angle != 0.0 ? real_sin(b->angle) : 0.0, box,
-             &s);
+    sites_in(b, b->origin, b->angle != 0.0 ? real_cos(b->angle) : 1.0,
+             b->angle != 0.0 ? real_sin(b->angle) : 0.0, box, &s);
     for (int64_t row = s.row_first; row <= s.row_last; row++) {
         for (int64_t column = s.column_first; column <= s.column_last; column++) {
             double r[2];
@@ -150,7 +159,8 @@ static enum dm2_status fill_crystal(struct generation *g, struct dm2_error *err)
     return DM2_OK;
 }
 
-/* --- bodies with grains -------------------------------------------------------------------------------------------- */
+/* --- bodies with grains
+ * -------------------------------------------------------------------------------------------- */
 
 /* Back into the domain, where the body goes round it. */
 static void wrap_into(const struct grain_set *set, const double x[2], double r[2])
@@ -158,14 +168,15 @@ static void wrap_into(const struct grain_set *set, const double x[2], double r[2
     for (int a = 0; a < 2; a++) {
         r[a] = x[a];
         if (set->wraps[a])
-            r[a] = x[a] < set->low[a] ? x[a] + set->period[a]
+            r[a] = x[a] < set->low[a]                     ? x[a] + set->period[a]
                    : x[a] >= set->low[a] + set->period[a] ? x[a] - set->period[a]
                                                           : x[a];
     }
 }
 
 /* Has grain `other`, which lies at its centre + shift, a site of its own closer to x than elements may be? */
-static bool grain_takes(const struct generation *g, const struct grain *other, const double shift[2], const double x[2])
+static bool grain_takes(const struct generation *g, const struct grain *other, const double shift[2],
+                        const double x[2])
 {
     const struct body_config *b = &g->model->config->bodies[g->body];
     double at[2] = {x[0] - shift[0], x[1] - shift[1]};
@@ -188,8 +199,8 @@ static bool grain_takes(const struct generation *g, const struct grain *other, c
     return false;
 }
 
-/* At a grain boundary the grain with the lower number goes first. Whether its site is taken by a third grain in turn does
- * not matter: so that the answer depends on nothing but the places of the grains. */
+/* At a grain boundary the grain with the lower number goes first. Whether its site is taken by a third grain
+ * in turn does not matter: so that the answer depends on nothing but the places of the grains. */
 static bool boundary_leaves(const struct generation *g, size_t index, const double x[2])
 {
     const struct grain *grain = &g->set.grain[index];
@@ -230,14 +241,16 @@ static enum dm2_status fill_grain(struct generation *g, size_t index, struct dm2
     return DM2_OK;
 }
 
-/* Elements of two grains of a polycrystal may be closer than their contact distance where links will join them without
- * force; unlinked they would push one another away. */
+/* Elements of two grains of a polycrystal may be closer than their contact distance where links will join
+ * them without force; unlinked they would push one another away. */
 static double least_distance(const struct config *c, const struct body_config *b)
 {
     bool linked = true;
     for (size_t i = 0; i < b->n_mix; i++)
         for (size_t j = 0; j < b->n_mix; j++)
-            linked = linked && config_interaction(c, b->mix_material[i], b->mix_material[j], RELATION_OTHER_GRAIN).linked;
+            linked =
+                linked &&
+                config_interaction(c, b->mix_material[i], b->mix_material[j], RELATION_OTHER_GRAIN).linked;
     return 2.0 * b->radius * (linked ? 0.8 : 1.0);
 }
 
@@ -255,7 +268,8 @@ static enum dm2_status fill_grains(struct generation *g, struct dm2_error *err)
     return status;
 }
 
-enum dm2_status generate_elements(const struct model *model, element_sink sink, void *context, struct dm2_error *err)
+enum dm2_status generate_elements(const struct model *model, element_sink sink, void *context,
+                                  struct dm2_error *err)
 {
     const struct config *c = model->config;
     struct generation g = {.model = model, .sink = sink, .context = context};
@@ -269,7 +283,8 @@ enum dm2_status generate_elements(const struct model *model, element_sink sink, 
         if (status != DM2_OK)
             return status;
         if (g.id == first)
-            return dm2_fail(err, DM2_DECK, "body '%s' holds no element: no lattice site has its centre in its shape",
+            return dm2_fail(err, DM2_DECK,
+                            "body '%s' holds no element: no lattice site has its centre in its shape",
                             c->bodies[g.body].name);
     }
     return DM2_OK;

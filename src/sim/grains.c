@@ -1,10 +1,11 @@
-/* Polycrystal: seeds at random, not closer than 0.6 grain sizes where that can be had; a grain is the Voronoi cell of
- * its seed, cut out of the body's box by the bisectors with its neighbours, nearest first. A cell whose vertices are
- * all within s of the seed is not cut by seeds further than 2 s.
+/* Polycrystal: seeds at random, not closer than 0.6 grain sizes where that can be had; a grain is the Voronoi
+ * cell of its seed, cut out of the body's box by the bisectors with its neighbours, nearest first. A cell
+ * whose vertices are all within s of the seed is not cut by seeds further than 2 s.
  *
- * Powder: discs at random places, overlapping; then sweeps in which every overlapping pair is pushed apart by half its
- * overlap each and every disc into the container, until none overlaps. That reaches solid fractions of about 0.8 (the
- * random close packing of discs is 0.82 to 0.84). Polygons are inscribed in such discs, with 5 to 8 corners.
+ * Powder: discs at random places, overlapping; then sweeps in which every overlapping pair is pushed apart by
+ * half its overlap each and every disc into the container, until none overlaps. That reaches solid fractions
+ * of about 0.8 (the random close packing of discs is 0.82 to 0.84). Polygons are inscribed in such discs,
+ * with 5 to 8 corners.
  *
  * Where the body spans a periodic direction of the domain, cells and discs go round it. */
 #include "dm2/sim/grains.h"
@@ -23,7 +24,8 @@ enum { SEED_TRIES = 1000, SWEEPS = 20000, OUTLINE_MAX = 64 };
 static const double seed_distance = 0.6; /* of the grain size */
 static const double push_slack = 1e-3;   /* discs are pushed apart by so much more than they need */
 
-/* --- bins: points by the square they lie in -------------------------------------------------------------- */
+/* --- bins: points by the square they lie in --------------------------------------------------------------
+ */
 
 struct bins {
     double low[2], edge;
@@ -76,7 +78,8 @@ static void bins_clear(struct bins *b)
         b->head[i] = -1;
 }
 
-/* --- Voronoi cells ---------------------------------------------------------------------------------------- */
+/* --- Voronoi cells ----------------------------------------------------------------------------------------
+ */
 
 /* A seed or a periodic image of one. */
 struct image {
@@ -99,7 +102,8 @@ static bool seed_is_free(const struct bins *b, const struct grain_set *set, cons
     return true;
 }
 
-static int place_seeds(const struct body_config *body, const double box[4], uint32_t first, struct grain_set *set)
+static int place_seeds(const struct body_config *body, const double box[4], uint32_t first,
+                       struct grain_set *set)
 {
     struct bins bins;
     double apart = seed_distance * body->grain_size;
@@ -109,8 +113,9 @@ static int place_seeds(const struct body_config *body, const double box[4], uint
         for (uint64_t k = 0; k < SEED_TRIES; k++) {
             uint64_t number = ((uint64_t)first + g) * SEED_TRIES + k;
             for (int a = 0; a < 2; a++)
-                x[a] = box[a] + (box[a + 2] - box[a]) *
-                                random_uniform(body->seed, number, a == 0 ? RANDOM_GRAIN_X : RANDOM_GRAIN_Y);
+                x[a] =
+                    box[a] + (box[a + 2] - box[a]) *
+                                 random_uniform(body->seed, number, a == 0 ? RANDOM_GRAIN_X : RANDOM_GRAIN_Y);
             if (seed_is_free(&bins, set, x, apart))
                 break;
         }
@@ -187,23 +192,27 @@ static int add_side(struct grain_set *set, struct grain *g, const struct grain_s
     return 0;
 }
 
-/* Lets one image cut the cell of g; a neighbour that only comes within `apart` of it is kept as a side too. */
-static int meet_image(struct grain_set *set, struct grain *g, const struct image *im, double apart, struct outline *o)
+/* Lets one image cut the cell of g; a neighbour that only comes within `apart` of it is kept as a side too.
+ */
+static int meet_image(struct grain_set *set, struct grain *g, const struct image *im, double apart,
+                      struct outline *o)
 {
     struct grain_side side = {.neighbour = im->grain, .shift = {im->shift[0], im->shift[1]}};
     for (int a = 0; a < 2; a++)
         side.normal[a] = im->x[a] - g->centre[a];
     side.length = sqrt(side.normal[0] * side.normal[0] + side.normal[1] * side.normal[1]);
-    side.offset = 0.5 * (side.normal[0] * (im->x[0] + g->centre[0]) + side.normal[1] * (im->x[1] + g->centre[1]));
+    side.offset =
+        0.5 * (side.normal[0] * (im->x[0] + g->centre[0]) + side.normal[1] * (im->x[1] + g->centre[1]));
     bool near = false;
     for (size_t i = 0; i < o->n; i++)
-        near |= side.offset - (side.normal[0] * o->x[i][0] + side.normal[1] * o->x[i][1]) < apart * side.length;
+        near |=
+            side.offset - (side.normal[0] * o->x[i][0] + side.normal[1] * o->x[i][1]) < apart * side.length;
     (void)outline_cut(o, &side);
     return near ? add_side(set, g, &side) : 0;
 }
 
-static int cut_cell(struct grain_set *set, size_t index, const struct image *images, const struct bins *b, double apart,
-                    const double box[4])
+static int cut_cell(struct grain_set *set, size_t index, const struct image *images, const struct bins *b,
+                    double apart, const double box[4])
 {
     struct grain *g = &set->grain[index];
     struct outline o = {.n = 4};
@@ -287,7 +296,8 @@ static int build_cells(const struct body_config *body, uint32_t first, double ap
     return cut_cells(set, box, body->grain_size, apart);
 }
 
-/* --- powders ------------------------------------------------------------------------------------------------ */
+/* --- powders
+ * ------------------------------------------------------------------------------------------------ */
 
 /* Keeps a disc of this radius in the container. Gives how far it was outside, cm. */
 static double contain(const struct body_config *body, const struct grain_set *set, double x[2], double radius)
@@ -295,7 +305,8 @@ static double contain(const struct body_config *body, const struct grain_set *se
     const struct shape_config *s = &body->shape;
     double out = 0.0;
     if (s->kind == SHAPE_DISC) {
-        double dx = x[0] - s->centre[0], dy = x[1] - s->centre[1], r = sqrt(dx * dx + dy * dy), most = s->radius - radius;
+        double dx = x[0] - s->centre[0], dy = x[1] - s->centre[1], r = sqrt(dx * dx + dy * dy),
+               most = s->radius - radius;
         if (r > most) {
             out = r - most;
             x[0] = s->centre[0] + dx * (most / r);
@@ -456,8 +467,9 @@ static enum dm2_status pack(const struct body_config *body, uint32_t first, stru
         struct grain *p = &set->grain[g];
         largest = p->radius > largest ? p->radius : largest;
         for (int a = 0; a < 2; a++)
-            p->centre[a] = box[a] + (box[a + 2] - box[a]) *
-                                    random_uniform(body->seed, first + g, a == 0 ? RANDOM_GRAIN_X : RANDOM_GRAIN_Y);
+            p->centre[a] =
+                box[a] + (box[a + 2] - box[a]) *
+                             random_uniform(body->seed, first + g, a == 0 ? RANDOM_GRAIN_X : RANDOM_GRAIN_Y);
     }
     int sweeps = 0, most = set->n > 4000 ? SWEEPS / 4 : SWEEPS;
     if (bins_start(&bins, box, box + 2, 2.0 * largest * (1.0 + push_slack), set->n) != 0) {
@@ -467,15 +479,17 @@ static enum dm2_status pack(const struct body_config *body, uint32_t first, stru
     double touch = 1e-9 * body->grain_size;
     while (sweeps++ < most && worst > touch) {
         worst = sweep(body, set, &bins, push_slack);
-        if (worst <= touch) /* what the slack pushed may overlap now; without it, nothing moves unless something does */
+        if (worst <= touch) /* what the slack pushed may overlap now; without it, nothing moves unless
+                               something does */
             worst = sweep(body, set, &bins, 0.0);
     }
     bins_free(&bins);
     if (worst > touch)
-        return dm2_fail(err, DM2_DECK,
-                        "the powder of the body '%s' cannot be packed to a solid fraction of %g: after %d sweeps grains "
-                        "still overlap by %.2g of their size; discs reach about 0.8, polygons about 0.6: choose less",
-                        body->name, body->solid_fraction, most, worst / body->grain_size);
+        return dm2_fail(
+            err, DM2_DECK,
+            "the powder of the body '%s' cannot be packed to a solid fraction of %g: after %d sweeps grains "
+            "still overlap by %.2g of their size; discs reach about 0.8, polygons about 0.6: choose less",
+            body->name, body->solid_fraction, most, worst / body->grain_size);
     return DM2_OK;
 }
 
@@ -503,7 +517,8 @@ static int outline_grain(const struct body_config *body, uint32_t id, struct gra
     return 0;
 }
 
-/* --- all ------------------------------------------------------------------------------------------------------ */
+/* --- all
+ * ------------------------------------------------------------------------------------------------------ */
 
 static void find_seams(const struct config *c, const struct body_config *body, struct grain_set *set)
 {

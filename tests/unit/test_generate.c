@@ -4,12 +4,12 @@
 #include "dm2/sim/generate.h"
 #include "dm2/sim/grains.h"
 
-#define HEAD                                                                                                    \
-    "let phi = 0.7\n"                                                                                          \
-    "domain { size = 1 1; r_c = 0.05; delta_r = 0.01; boundary = periodic free }\n"                             \
-    "time { dt = 0.005; steps = 100 }\n"                                                                       \
-    "material Cu { rho0 = 8.93; c0 = 0.394; s = 1.489; shear = 0.477; cp = 3.85e-6 }\n"                         \
-    "material Al { rho0 = 2.703; c0 = 0.535; s = 1.34; shear = 0.276; cp = 8.97e-6 }\n"                         \
+#define HEAD                                                                                                 \
+    "let phi = 0.7\n"                                                                                        \
+    "domain { size = 1 1; r_c = 0.05; delta_r = 0.01; boundary = periodic free }\n"                          \
+    "time { dt = 0.005; steps = 100 }\n"                                                                     \
+    "material Cu { rho0 = 8.93; c0 = 0.394; s = 1.489; shear = 0.477; cp = 3.85e-6 }\n"                      \
+    "material Al { rho0 = 2.703; c0 = 0.535; s = 1.34; shear = 0.276; cp = 8.97e-6 }\n"                      \
     "interaction { zeta = 0.1; ct_ratio = 0.02 }\n"
 #define BODY "body b { shape = rectangle 0 0 1 1; spacing = 0.02; "
 
@@ -57,9 +57,10 @@ static void closest(const struct made *m, double same_other[2])
 
 TEST(a_polycrystal_is_dense_and_does_not_overlap)
 {
-    static const char *const linked[2] = {HEAD BODY "material = Cu; structure = polycrystal; grain_size = 0.3; seed = 5 }\n"
-                                               "interface grain { linked = yes }\n",
-                                          HEAD BODY "material = Cu; structure = polycrystal; grain_size = 0.3; seed = 5 }\n"};
+    static const char *const linked[2] = {
+        HEAD BODY "material = Cu; structure = polycrystal; grain_size = 0.3; seed = 5 }\n"
+                  "interface grain { linked = yes }\n",
+        HEAD BODY "material = Cu; structure = polycrystal; grain_size = 0.3; seed = 5 }\n"};
     for (int k = 0; k < 2; k++) {
         struct engine g;
         struct made m = make(linked[k], NULL, &g);
@@ -80,7 +81,8 @@ TEST(grains_are_voronoi_cells)
 {
     struct engine g;
     struct grain_set set;
-    struct made m = make(HEAD BODY "material = Cu; structure = polycrystal; grain_size = 0.3; seed = 9 }\n", NULL, &g);
+    struct made m =
+        make(HEAD BODY "material = Cu; structure = polycrystal; grain_size = 0.3; seed = 9 }\n", NULL, &g);
     CHECK_EQ_INT(grains_build(model_config(g.model), 0, 0, 0.02, &set, &g.err), DM2_OK);
     CHECK(set.wraps[0] && !set.wraps[1]);
     for (size_t i = 0; i < m.n; i++) {
@@ -101,12 +103,15 @@ TEST(grains_are_voronoi_cells)
     engine_stop(&g);
 }
 
-/* Linked or not, a polycrystal starts at rest without stress; and the first links are those of the lattice. */
+/* Linked or not, a polycrystal starts at rest without stress; and the first links are those of the lattice.
+ */
 TEST(a_polycrystal_starts_without_stress)
 {
     struct engine one;
-    engine_start(&one, HEAD BODY "material = Cu; structure = polycrystal; grain_size = 0.3; seed = 5 }\n"
-                            "interface grain { linked = yes }\n", NULL, 1);
+    engine_start(&one,
+                 HEAD BODY "material = Cu; structure = polycrystal; grain_size = 0.3; seed = 5 }\n"
+                           "interface grain { linked = yes }\n",
+                 NULL, 1);
     struct measures m;
     engine_step(&one, &m);
     CHECK_NEAR(m.p_max, 0.0, 1e-12);
@@ -136,21 +141,28 @@ static void check_same_on_ranks(const char *text, int64_t steps)
 
 TEST(every_rank_makes_the_same)
 {
-    check_same_on_ranks(HEAD BODY "material = Cu; structure = polycrystal; grain_size = 0.3; seed = 5; velocity = 0.1 0.1\n"
-                                  "jitter = 0.01; missing_links = 0.05 }\n"
-                                  "void hole { shape = disc 0.5 0.5 0.1 }\n flaw f { line = -0.1 0.2 0.2 0.3 }\n"
-                                  "interface grain { linked = yes }\n", 40);
-    check_same_on_ranks(HEAD BODY "mix = Cu 0.5, Al 0.5; structure = discs; grain_size = 0.15; grain_spread = 0.3\n"
-                                  "solid_fraction = 0.72; jitter = 0.02 }\n", 40);
-    check_same_on_ranks(HEAD BODY "mix = Cu 0.5, Al 0.5; structure = polygons; grain_size = 0.15; grain_spread = 0.3\n"
-                                  "solid_fraction = 0.5; jitter = 0.02 }\n", 40);
+    check_same_on_ranks(
+        HEAD BODY "material = Cu; structure = polycrystal; grain_size = 0.3; seed = 5; velocity = 0.1 0.1\n"
+                  "jitter = 0.01; missing_links = 0.05 }\n"
+                  "void hole { shape = disc 0.5 0.5 0.1 }\n flaw f { line = -0.1 0.2 0.2 0.3 }\n"
+                  "interface grain { linked = yes }\n",
+        40);
+    check_same_on_ranks(HEAD BODY
+                        "mix = Cu 0.5, Al 0.5; structure = discs; grain_size = 0.15; grain_spread = 0.3\n"
+                        "solid_fraction = 0.72; jitter = 0.02 }\n",
+                        40);
+    check_same_on_ranks(HEAD BODY
+                        "mix = Cu 0.5, Al 0.5; structure = polygons; grain_size = 0.15; grain_spread = 0.3\n"
+                        "solid_fraction = 0.5; jitter = 0.02 }\n",
+                        40);
 }
 
 TEST(powders_are_as_dense_as_asked_and_do_not_overlap)
 {
-    static const char *const deck[2] = {
-        HEAD BODY "mix = Cu 0.5, Al 0.5; structure = discs; grain_size = 0.15; grain_spread = 0.4; solid_fraction = phi }\n",
-        HEAD BODY "mix = Cu 0.5, Al 0.5; structure = polygons; grain_size = 0.15; grain_spread = 0.4; solid_fraction = phi }\n"};
+    static const char *const deck[2] = {HEAD BODY "mix = Cu 0.5, Al 0.5; structure = discs; grain_size = "
+                                                  "0.15; grain_spread = 0.4; solid_fraction = phi }\n",
+                                        HEAD BODY "mix = Cu 0.5, Al 0.5; structure = polygons; grain_size = "
+                                                  "0.15; grain_spread = 0.4; solid_fraction = phi }\n"};
     static const double phi[2] = {0.76, 0.55};
     for (int k = 0; k < 2; k++) {
         struct engine g;
@@ -184,9 +196,10 @@ TEST(voids_hold_nothing)
 {
     struct engine g;
     struct made m = make(HEAD BODY "material = Cu }\n"
-                         "void a { shape = disc 0.3 0.3 0.1 }\n"
-                         "void b { shape = rectangle 0.6 0.6 0.8 0.8; body = b }\n"
-                         "body c { shape = disc 0.7 0.7 0.05; spacing = 0.02; material = Al }\n", NULL, &g);
+                                   "void a { shape = disc 0.3 0.3 0.1 }\n"
+                                   "void b { shape = rectangle 0.6 0.6 0.8 0.8; body = b }\n"
+                                   "body c { shape = disc 0.7 0.7 0.05; spacing = 0.02; material = Al }\n",
+                         NULL, &g);
     size_t inside = 0;
     for (size_t i = 0; i < m.n; i++) {
         double x = m.e[i].r[0] - 0.3, y = m.e[i].r[1] - 0.3;
@@ -213,7 +226,8 @@ static size_t links_of(const char *text, int ranks)
 
 TEST(flaws_cut_links)
 {
-    /* The square lattice, 50 x 50 round in x: 50 links of a row across a column line; diagonals are not linked. */
+    /* The square lattice, 50 x 50 round in x: 50 links of a row across a column line; diagonals are not
+     * linked. */
     static const char square[] = "row_spacing = 0.02; lattice = square; origin = 0.01 0.01; material = Cu; ";
     char text[1500];
     size_t whole, cut;
@@ -258,31 +272,43 @@ TEST(what_cannot_be_made_is_refused)
 {
     check_refused(BODY "material = Cu; structure = discs; grain_size = 0.2; solid_fraction = 0.95 }",
                   "the powder of the body 'b' cannot be packed to a solid fraction of 0.95");
-    check_refused("body b { shape = disc 0.5 0.5 0.1; spacing = 0.02; material = Cu; structure = discs; grain_size = 0.3; "
-                  "solid_fraction = 0.5 }", "a grain of ");
-    check_refused(BODY "material = Cu; structure = discs; grain_size = 0.2 }", "the body 'b' lacks 'solid_fraction'");
+    check_refused("body b { shape = disc 0.5 0.5 0.1; spacing = 0.02; material = Cu; structure = discs; "
+                  "grain_size = 0.3; "
+                  "solid_fraction = 0.5 }",
+                  "a grain of ");
+    check_refused(BODY "material = Cu; structure = discs; grain_size = 0.2 }",
+                  "the body 'b' lacks 'solid_fraction'");
     check_refused(BODY "material = Cu; structure = polycrystal }", "the body 'b' lacks 'grain_size'");
     check_refused(BODY "material = Cu; structure = polycrystal; grain_size = 0.01 }",
                   "a grain of 0.01 cm is smaller than an element of 0.02 cm");
-    check_refused(BODY "material = Cu; grain_size = 0.1 }", "'grain_size' has no meaning for a body whose structure is crystal");
+    check_refused(BODY "material = Cu; grain_size = 0.1 }",
+                  "'grain_size' has no meaning for a body whose structure is crystal");
     check_refused(BODY "material = Cu; structure = polycrystal; grain_size = 0.1; solid_fraction = 0.5 }",
                   "'solid_fraction' has no meaning for a body whose structure is polycrystal");
-    check_refused(BODY "material = Cu; structure = polycrystal; grain_size = 0.1; angle = 1 }", "'angle' has no meaning");
-    check_refused("body b { shape = polygon 0 0 1 0 0 1; spacing = 0.02; material = Cu; structure = polygons; "
-                  "grain_size = 0.1; solid_fraction = 0.5 }", "a powder fills a rectangle or a disc, not a polygon");
+    check_refused(BODY "material = Cu; structure = polycrystal; grain_size = 0.1; angle = 1 }",
+                  "'angle' has no meaning");
+    check_refused(
+        "body b { shape = polygon 0 0 1 0 0 1; spacing = 0.02; material = Cu; structure = polygons; "
+        "grain_size = 0.1; solid_fraction = 0.5 }",
+        "a powder fills a rectangle or a disc, not a polygon");
     check_refused(BODY "material = Cu; structure = powder }", "'powder' is no value of 'structure'");
-    check_refused(BODY "material = Cu; missing_links = 1.5 }", "'missing_links' must be at least 0 and at most 1");
-    check_refused(BODY "material = Cu }\nvoid v { shape = disc 3 3 0.1 }", "the void 'v' lies outside every body");
+    check_refused(BODY "material = Cu; missing_links = 1.5 }",
+                  "'missing_links' must be at least 0 and at most 1");
+    check_refused(BODY "material = Cu }\nvoid v { shape = disc 3 3 0.1 }",
+                  "the void 'v' lies outside every body");
     check_refused(BODY "material = Cu }\nvoid v { shape = disc 0.3 0.3 -1 }", "a disc is x y radius with");
-    check_refused(BODY "material = Cu }\nvoid v { shape = disc 0.3 0.3 0.1; body = c }", "there is no body 'c'");
+    check_refused(BODY "material = Cu }\nvoid v { shape = disc 0.3 0.3 0.1; body = c }",
+                  "there is no body 'c'");
     check_refused(BODY "material = Cu }\nvoid v { }", "the block 'void' lacks 'shape'");
     check_refused(BODY "material = Cu }\nflaw f { line = 2 2 3 3 }", "the flaw 'f' lies outside every body");
-    check_refused(BODY "material = Cu }\nflaw f { line = 0.5 0.5 0.5 0.5 }", "a line is x0 y0 x1 y1 between two points");
-    check_refused(BODY "material = Cu }\nflaw f { line = 0.5 0.5 0.7 0.5; body = bb }", "there is no body 'bb'");
+    check_refused(BODY "material = Cu }\nflaw f { line = 0.5 0.5 0.5 0.5 }",
+                  "a line is x0 y0 x1 y1 between two points");
+    check_refused(BODY "material = Cu }\nflaw f { line = 0.5 0.5 0.7 0.5; body = bb }",
+                  "there is no body 'bb'");
     check_refused(BODY "material = Cu }\nvoid v { shape = rectangle -1 -1 2 2 }", "holds no element");
 }
 
 TEST_MAIN(CASE(a_polycrystal_is_dense_and_does_not_overlap), CASE(grains_are_voronoi_cells),
           CASE(a_polycrystal_starts_without_stress), CASE(every_rank_makes_the_same),
-          CASE(powders_are_as_dense_as_asked_and_do_not_overlap), CASE(voids_hold_nothing), CASE(flaws_cut_links),
-          CASE(what_cannot_be_made_is_refused))
+          CASE(powders_are_as_dense_as_asked_and_do_not_overlap), CASE(voids_hold_nothing),
+          CASE(flaws_cut_links), CASE(what_cannot_be_made_is_refused))

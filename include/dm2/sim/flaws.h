@@ -14,8 +14,8 @@ struct link_end {
     const double *r; /* cm */
 };
 
-/* Is the link between two neighbours missing at the start: because it crosses a flaw's line, or by chance? `apart` is the
- * shortest vector from b to a across periodic sides. The same, whichever of the two is a. */
+/* Is the link between two neighbours missing at the start: because it crosses a flaw's line, or by chance?
+ * `apart` is the shortest vector from b to a across periodic sides. The same, whichever of the two is a. */
 bool flaws_miss(const struct config *config, struct link_end a, struct link_end b, const double apart[2]);
 
 #endif
