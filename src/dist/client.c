@@ -457,7 +457,7 @@ static enum dm2_status sum_up(struct client *c, bool rebuild, bool measured, boo
                            (long long)m->step, m->rebuild, m->measured, m->hashed, rebuild, measured, hashed);
             return peer_failed(c, k, DM2_PROTOCOL, text, err);
         }
-        elements += m->owned + m->migrants;
+        elements += m->owned;
         sum->dmax = m->dmax > sum->dmax ? m->dmax : sum->dmax;
         if (m->busy > sum->busy || k == 0) {
             sum->busy = m->busy;

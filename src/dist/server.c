@@ -366,6 +366,7 @@ static enum dm2_status send_step(struct session *s, struct step_message *m, stru
     bytes_clear(&s->out);
     message_put_step(&s->out, m);
     size_t head = s->out.length;
+    m->owned = subdomain_owned(s->sd);
     m->migrants = 0;
     if (m->rebuild)
         status = exchange_pack_rebuild(&s->exchange, s->sd, &s->out, &m->n_segments, &m->migrants, err);
@@ -374,7 +375,6 @@ static enum dm2_status send_step(struct session *s, struct step_message *m, stru
     if (status != DM2_OK)
         return status;
     double rebuild = tally(s), now = clock_now();
-    m->owned = subdomain_owned(s->sd);
     m->busy = now - s->heard;
     s->times.pack += now - start - rebuild;
     s->times.migrants += m->migrants;

@@ -10,7 +10,7 @@ static int cells_along(double size, double reach)
     if (most > 1e9)
         return -1;
     int n = (int)most;
-    while (n > 1 && !(size / n > reach))
+    while (n > 1 && !(size / n > reach * (1.0 + 1e-9))) /* 2.2/20 exceeds 0.11 by rounding alone */
         n--;
     return n < 1 ? 1 : n;
 }

@@ -58,6 +58,7 @@ struct subdomain {
     struct idmap ids;      /* of mirrored elements and immigrants, for the memory of pairs */
     int32_t *cell_of;      /* global cell of each owned slot at the last sort_out; -1: emigrated */
     size_t cell_cap;
+    size_t n_leaving;      /* emigrants of the last sort_out, still in their slots until take_in */
     struct pair_totals totals;
     bool measured;         /* totals, virial, links and contacts are of the present step */
     struct subdomain_times times;
@@ -389,6 +390,7 @@ static enum dm2_status settle(struct subdomain *sd, const struct parcel *parcels
         goto done;
     sd->p.n_own = n_own;
     sd->p.n = n;
+    sd->n_leaving = 0;
     for (size_t k = 0; k < in.n_newcomers; k++) {
         particles_put(&sd->p, sd->model, newcomer_slot[k], in.newcomers[k]);
         if (!idmap_add(&sd->ids, in.newcomers[k]->id, (int32_t)newcomer_slot[k])) {
@@ -530,7 +532,7 @@ int64_t subdomain_step(const struct subdomain *sd)
 
 size_t subdomain_owned(const struct subdomain *sd)
 {
-    return sd->p.n_own;
+    return sd->p.n_own - sd->n_leaving;
 }
 
 size_t subdomain_mirrored(const struct subdomain *sd)
@@ -713,7 +715,6 @@ enum dm2_status subdomain_sort_out(struct subdomain *sd, struct parcel *parcels,
     size_t n = sd->p.n_own;
     void *cells = sd->cell_of;
     int32_t *destination = NULL;
-    bool emigrants = false;
     for (int r = 0; r < sd->map.ranks; r++)
         sd->peers[r].migrants.n = sd->peers[r].mirrors.n = sd->peers[r].pairs.n = 0;
     if (mem_grow(&cells, &sd->cell_cap, 0, n, sizeof *sd->cell_of) != 0)
@@ -735,7 +736,7 @@ enum dm2_status subdomain_sort_out(struct subdomain *sd, struct parcel *parcels,
         particles_get(&sd->p, i, &e);
         int failed = sd->cells.seen_by[cell] ? mirror_to_all(sd, cell, &e) : 0;
         if (owner != sd->rank) {
-            emigrants = true;
+            sd->n_leaving++;
             destination[i] = owner;
             failed |= add_element(&sd->peers[owner].migrants, &e);
         }
@@ -744,8 +745,8 @@ enum dm2_status subdomain_sort_out(struct subdomain *sd, struct parcel *parcels,
             return no_memory(sd, err);
         }
     }
-    int failed = emigrants ? send_memory(sd, destination) : 0;
-    for (size_t i = 0; i < n && emigrants; i++) {
+    int failed = sd->n_leaving > 0 ? send_memory(sd, destination) : 0;
+    for (size_t i = 0; i < n && sd->n_leaving > 0; i++) {
         if (destination[i] >= 0)
             sd->cell_of[i] = -1;
     }

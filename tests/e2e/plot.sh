@@ -29,6 +29,8 @@ expect_status 0 "$plot" snapshot --help
 expect_text out 'WHAT is one of: material velocity'
 expect_status 0 "$plot" --help
 expect_text out 'dm2-plot chart'
+expect_status 0 "$plot" --version
+expect_text out "dm2-plot "
 refuses 2 'one file is expected, 0 were given' "$plot" snapshot
 refuses 2 '--range needs two numbers' "$plot" snapshot state.vtp --range 1
 refuses 2 'is nothing to colour by' "$plot" snapshot state.vtp --colour mass

@@ -81,8 +81,8 @@ struct ready_message {
 struct step_message {
     int64_t step;      /* the state that the segments belong to */
     bool rebuild;      /* segments are parcels, not updates */
-    uint64_t owned;    /* elements owned now, */
-    uint64_t migrants; /* and those on their way in the segments */
+    uint64_t owned;    /* elements owned after the step, before the exchange; */
+    uint64_t migrants; /* those of them that leave in the segments */
     double dmax;       /* cm */
     double busy;       /* seconds of work since the last message */
     bool measured;     /* measures (of state step - 1) are there */
