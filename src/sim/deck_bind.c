@@ -49,6 +49,17 @@ static struct deck_place name_of(const struct deck_binding *b, size_t block, siz
     return b->tree->names[block_at(b, block)->first_name + i];
 }
 
+/* The same without quotes. */
+static struct deck_place bare_name_of(const struct deck_binding *b, size_t block, size_t i)
+{
+    struct deck_place name = name_of(b, block, i);
+    if (place_bytes(b->tree->source, name)[0] == '"') {
+        name.offset++;
+        name.length -= 2;
+    }
+    return name;
+}
+
 static void check_single(struct deck_binding *b, size_t block)
 {
     enum block_kind kind = b->kinds[block];
@@ -77,7 +88,7 @@ static bool check_head(struct deck_binding *b, size_t block)
     if (!ok) {
         struct deck_place place = n == 0 ? at->word : place_span(name_of(b, block, 0), name_of(b, block, n - 1));
         if (!at->bad)
-            findings_error(b->findings, place, "between '%s' and '{' stands %s, found %zu name%s", schema->name,
+            findings_error(b->findings, place, "between '%s' and '{' belongs %s, found %zu name%s", schema->name,
                            schema->names, n, n == 1 ? "" : "s");
         return false;
     }
@@ -332,7 +343,7 @@ static bool rule_head(struct deck_binding *b, size_t block, struct interaction_r
     }
     bool ok = true;
     for (size_t i = first; i < block_at(b, block)->n_names; i++) {
-        rule->material[i - first] = binding_material(b, name_of(b, block, i));
+        rule->material[i - first] = binding_material(b, bare_name_of(b, block, i));
         ok = ok && rule->material[i - first] >= 0;
     }
     if (rule->material[0] > rule->material[1]) {

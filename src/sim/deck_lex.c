@@ -16,6 +16,7 @@ struct lexer {
     size_t length, at;
     int text_index;
     bool spaced;
+    bool strange; /* a byte that belongs into no text was found: the first one is reported */
     size_t *budget;
     struct tokens *out;
     struct findings *findings;
@@ -137,6 +138,9 @@ static bool lex_stranger(struct lexer *lex)
         to++;
     struct place_text text;
     struct deck_place all = place(lex, from, to);
+    if (lex->strange)
+        return push(lex, TOKEN_BAD, from, to);
+    lex->strange = c < 0x20 || c >= 0x7f;
     if (c == 0)
         findings_error(lex->findings, all, "a NUL byte is no part of a deck: is this a binary file?");
     else if (c < 0x20 || c == 0x7f)
@@ -171,7 +175,8 @@ static bool lex_one(struct lexer *lex)
 bool deck_lex(const char *text, size_t length, int text_index, size_t *budget, struct tokens *out,
               struct findings *findings)
 {
-    struct lexer lex = {text, length, 0, text_index, true, budget, out, findings};
+    struct lexer lex = {.text = text, .length = length, .text_index = text_index, .spaced = true, .budget = budget,
+                        .out = out, .findings = findings};
     bool ok = true;
     while (ok && lex.at < length) {
         char c = text[lex.at];

@@ -238,6 +238,12 @@ static void parse_values(struct deck_parser *p, size_t entry)
         /* A list goes on in the next line after a comma. */
         while (after_comma && current(p)->kind == TOKEN_NEWLINE)
             p->at++;
+        if (current(p)->kind == TOKEN_WORD && (current(p) + 1)->kind == '=') {
+            /* The next entry: it is read as one, so that this is one mistake. */
+            error_expected(p, tree->entries[entry].n == 0 ? "a value after '='" : "the end of the line or ';'");
+            tree->entries[entry].bad |= tree->entries[entry].n == 0;
+            return;
+        }
         int32_t node = expr_parse(p);
         int32_t *value = APPEND(p->findings, tree, values);
         if (node == 0 || value == NULL) {
@@ -265,6 +271,12 @@ static void parse_entry(struct deck_parser *p, size_t block)
     if (current(p)->kind != TOKEN_WORD) {
         error_expected(p, "a keyword or '}'");
         p->at += current(p)->kind == TOKEN_END ? 0u : 1u;
+        skip_statement(p);
+        return;
+    }
+    if (place_is(p->findings->source, key, "let") || place_is(p->findings->source, key, "include")) {
+        findings_error(p->findings, key, "'%s' stands outside of blocks",
+                       place_text(p->findings->source, key, &text));
         skip_statement(p);
         return;
     }

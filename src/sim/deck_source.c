@@ -101,7 +101,7 @@ static enum dm2_status read_file(const char *path, const char *by, struct deck_t
     int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     struct stat info;
     if (fd < 0)
-        return dm2_fail(err, DM2_IO, "%scannot open the deck %s: %s", by, path, strerror(errno));
+        return dm2_fail(err, DM2_IO, "%scannot open %s: %s", by, path, strerror(errno));
     enum dm2_status status;
     if (fstat(fd, &info) != 0)
         status = dm2_fail(err, DM2_IO, "%scannot read %s: %s", by, path, strerror(errno));

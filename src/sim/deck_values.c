@@ -69,12 +69,15 @@ static bool within(struct deck_binding *b, const struct deck_key *key, struct de
 {
     bool low = key->low_open ? value > key->low : value >= key->low;
     bool high = key->high_open ? value < key->high : value <= key->high;
+    bool plain = dimension_is_plain(key->dim);
     char limits[120];
     struct number_text text;
+    struct dimension_text unit;
     if (isinf(key->low) || (low && high))
         return true;
     limits_text(key, limits, sizeof limits);
-    findings_error(b->findings, place, "'%s' must be %s, but is %s", key->name, limits, number_text(value, &text));
+    findings_error(b->findings, place, "'%s' must be %s, but is %s%s%s", key->name, limits,
+                   number_text(value, &text), plain ? "" : " ", plain ? "" : dimension_unit(key->dim, &unit));
     return false;
 }
 
@@ -252,9 +255,12 @@ static bool read_mix(struct deck_binding *b, const struct deck_key *key, const s
                      struct body_config *body)
 {
     if (entry->n % 2 != 0 || entry->n > 2 * MIX_MAX) {
-        findings_error(b->findings, entry->key, entry->n % 2 != 0
-                       ? "'mix' is materials, each with its fraction: found %zu values"
-                       : "'mix' takes at most 4 materials with their fractions: found %zu values", entry->n);
+        bool unit = false;
+        for (size_t i = 0; i < entry->n; i++)
+            unit = unit || !dimension_is_plain(node_at(b, entry, i)->number.dim);
+        findings_error(b->findings, entry->key, "'mix' is at most %d materials, each with its fraction: found %zu "
+                       "values%s", MIX_MAX, entry->n,
+                       unit ? "; a material's name was read as a unit: put commas, Ni 0.5, W 0.5" : "");
         return false;
     }
     bool ok = true;
