@@ -21,8 +21,8 @@ expect_status 0 sh -ex commands
 mkdir build
 ln -s "$PWD/demo.run" build/demo.run
 expect_status 0 bin/dm2-seq input/plate-impact.dm2 -q -o demo.run
-block 5 >commands
-grep -q dm2-plot commands || fail "the fifth block is not the one about drawing"
+block 4 >commands
+grep -q dm2-plot commands || fail "the fourth block is not the one about drawing"
 expect_status 0 sh -ex commands
 [ -s vy.svg ] && [ -s surface.svg ] || fail "dm2-plot left no pictures"
 
