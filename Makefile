@@ -13,7 +13,8 @@ endif
 DM2_CFLAGS := -std=c11 -D_POSIX_C_SOURCE=200809L -Iinclude -fno-math-errno -MMD -MP
 EXACT      := -ffp-contract=off
 WARN := -Wall -Wextra -Wpedantic -Wshadow -Wvla -Wstrict-prototypes -Wmissing-prototypes \
-        -Wwrite-strings -Wconversion -Wno-sign-conversion -Wundef -Wpointer-arith
+        -Wwrite-strings -Wconversion -Wno-sign-conversion -Wundef -Wpointer-arith \
+        -Werror=implicit-function-declaration -Werror=implicit-int -Werror=int-conversion
 WERROR ?=
 LDLIBS := -lm
 

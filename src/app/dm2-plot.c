@@ -10,6 +10,7 @@
 #include "dm2/base/csv.h"
 #include "dm2/base/number.h"
 #include "dm2/base/text.h"
+#include "dm2/base/version.h"
 #include "dm2/plot/chart.h"
 #include "dm2/plot/picture.h"
 #include "dm2/plot/vtp_reader.h"
@@ -283,6 +284,10 @@ int main(int argc, char **argv)
     (void)signal(SIGXFSZ, SIG_IGN); /* a file size limit is an error to report */
     if (strcmp(command, "-h") == 0 || strcmp(command, "--help") == 0) {
         fputs(usage, stdout);
+        return 0;
+    }
+    if (strcmp(command, "--version") == 0) {
+        puts("dm2-plot " DM2_VERSION);
         return 0;
     }
     if (strcmp(command, "snapshot") == 0)

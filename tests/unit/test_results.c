@@ -154,6 +154,11 @@ TEST(history_rows)
     struct measures m = some_measures();
     struct results *r = open_results(&f, "history", false);
     CHECK_EQ_INT(results_history(r, 40, &m, &err), DM2_OK);
+    measures_clear(&m); /* what came in is all there: not even a quantum is left */
+    exact_add(&m.kinetic, 0.1, scales.energy);
+    exact_add(&m.work, 0.1, scales.energy);
+    m.t_max = m.p_min = m.p_max = 0;
+    CHECK_EQ_INT(results_history(r, 50, &m, &err), DM2_OK);
     CHECK_EQ_INT(results_close(r, &err), DM2_OK);
     char *text = scratch_read("history/history.csv", NULL);
     CHECK_STR(
@@ -166,7 +171,8 @@ TEST(history_rows)
         "spall_vy [cm/us]\n"
         "40,1,1.25,0.5,0.125,9.313225746154785e-10,0.0625,1.8125000009313226,-3,0.1,7,1689,4903,12,311.5,-0."
         "25,0.75,"
-        "2,0.25,-0.5,0.125,nan,nan,nan,nan\n");
+        "2,0.25,-0.5,0.125,nan,nan,nan,nan\n"
+              "50,1.25,0.1,0,0,0,0.1,0,0,0,0,0,0,0,0,0,0,nan,nan,nan,nan,nan,nan,nan,nan\n");
     free(text);
     CHECK_EQ_INT(csv_read(scratch_path("history/history.csv"), &csv, &err), DM2_OK);
     CHECK_EQ_INT(csv.n_columns, 25);

@@ -1,0 +1,416 @@
+/* Binding goes through the blocks three times: which kind is each and how many are there; the names of materials, so
+ * that order does not matter; then all values.
+ *
+ * What is missing is reported only where nothing unknown could have been meant by it: `sise = 1 2` is one mistake,
+ * not an unknown keyword and a missing one. */
+#include "dm2/sim/deck_bind.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "dm2/base/mem.h"
+
+static const struct deck_block *block_at(const struct deck_binding *b, size_t block)
+{
+    return &b->tree->blocks[block];
+}
+
+static const struct deck_entry *entry_of(const struct deck_binding *b, size_t block, const char *key)
+{
+    return block < b->tree->n_blocks ? deck_tree_entry(b->tree, block_at(b, block), key) : NULL;
+}
+
+bool binding_given(const struct deck_binding *b, size_t block, const char *key)
+{
+    const struct deck_entry *entry = entry_of(b, block, key);
+    return entry != NULL && !entry->bad;
+}
+
+bool binding_bad(const struct deck_binding *b, size_t block, const char *key)
+{
+    const struct deck_entry *entry = entry_of(b, block, key);
+    return entry != NULL && entry->bad;
+}
+
+struct deck_place binding_place(const struct deck_binding *b, size_t block, const char *key, size_t i)
+{
+    const struct deck_entry *entry = entry_of(b, block, key);
+    if (block >= b->tree->n_blocks)
+        return b->tree->end;
+    if (entry == NULL)
+        return block_at(b, block)->word;
+    return i < entry->n ? b->tree->nodes[b->tree->values[entry->first + i]].place : entry->key;
+}
+
+/* --- which blocks there are --------------------------------------------------------------------------- */
+
+static struct deck_place name_of(const struct deck_binding *b, size_t block, size_t i)
+{
+    return b->tree->names[block_at(b, block)->first_name + i];
+}
+
+static void check_single(struct deck_binding *b, size_t block)
+{
+    enum block_kind kind = b->kinds[block];
+    if (b->single[kind] == b->tree->n_blocks)
+        b->single[kind] = block;
+    else if (schema_block(kind)->single)
+        findings_error(b->findings, block_at(b, block)->word, "there is a block '%s' before; a deck has one",
+                       schema_block(kind)->name);
+}
+
+static bool named(enum block_kind kind)
+{
+    return kind == BLOCK_MATERIAL || kind == BLOCK_BODY || kind == BLOCK_PROBE;
+}
+
+/* Is the number of names between the word and the brace right, and can they be names? */
+static bool check_head(struct deck_binding *b, size_t block)
+{
+    const struct block_schema *schema = schema_block(b->kinds[block]);
+    const struct deck_block *at = block_at(b, block);
+    size_t extra = b->kinds[block] == BLOCK_INTERFACE ? 1 : 0, n = at->n_names;
+    bool ok = schema->single                       ? n == 0
+              : named(b->kinds[block]) ? n == 1
+                                                   : n == extra || n == extra + 2;
+    struct place_text text;
+    if (!ok) {
+        struct deck_place place = n == 0 ? at->word : place_span(name_of(b, block, 0), name_of(b, block, n - 1));
+        if (!at->bad)
+            findings_error(b->findings, place, "between '%s' and '{' stands %s, found %zu name%s", schema->name,
+                           schema->names, n, n == 1 ? "" : "s");
+        return false;
+    }
+    for (size_t i = 0; i < n && named(b->kinds[block]); i++) {
+        struct deck_place name = name_of(b, block, i);
+        if (place_bytes(b->tree->source, name)[0] == '"' || name.length > NAME_MAX_LENGTH) {
+            findings_error(b->findings, name, "a name is letters, digits and _, at most %d, not %s", NAME_MAX_LENGTH,
+                           place_text(b->tree->source, name, &text));
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool find_kinds(struct deck_binding *b)
+{
+    struct deck_tree *tree = b->tree;
+    b->kinds = mem_zalloc(tree->n_blocks, sizeof *b->kinds);
+    b->material_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
+    b->body_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
+    b->probe_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
+    b->rule_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
+    if (b->kinds == NULL || b->material_block == NULL || b->body_block == NULL || b->probe_block == NULL ||
+        b->rule_block == NULL)
+        return false;
+    for (int kind = 0; kind < BLOCK_COUNT; kind++)
+        b->single[kind] = tree->n_blocks;
+    struct word_list known = schema_block_names();
+    for (size_t i = 0; i < tree->n_blocks; i++) {
+        struct deck_place word = tree->blocks[i].word;
+        const char *bytes = place_bytes(tree->source, word);
+        struct place_text text;
+        struct word_hint hint;
+        b->kinds[i] = schema_find_block(bytes, word.length);
+        if (b->kinds[i] != BLOCK_COUNT)
+            check_single(b, i);
+        else if (!tree->blocks[i].bad)
+            findings_error(b->findings, word, "there is no block '%s'%s", place_text(tree->source, word, &text),
+                           words_hint(&known, bytes, word.length, &hint));
+    }
+    return true;
+}
+
+static bool unknown_block_like(const struct deck_binding *b, const char *name)
+{
+    for (size_t i = 0; i < b->tree->n_blocks; i++) {
+        struct deck_place word = block_at(b, i)->word;
+        if (b->kinds[i] == BLOCK_COUNT && words_near(place_bytes(b->tree->source, word), word.length, name))
+            return true;
+    }
+    return false;
+}
+
+static void check_missing_blocks(struct deck_binding *b)
+{
+    for (int kind = 0; kind < BLOCK_COUNT && !b->tree->incomplete; kind++) {
+        const struct block_schema *schema = schema_block((enum block_kind)kind);
+        if (schema->required && b->single[kind] == b->tree->n_blocks && !unknown_block_like(b, schema->name))
+            findings_error(b->findings, b->tree->end, "the deck has no block '%s'", schema->name);
+    }
+}
+
+/* --- the things that blocks describe ------------------------------------------------------------------ */
+
+/* How many blocks of this kind have a good head; their indices go to `blocks`. */
+static size_t collect(struct deck_binding *b, enum block_kind kind, size_t max, size_t *blocks, size_t used)
+{
+    for (size_t i = 0; i < b->tree->n_blocks; i++) {
+        if (b->kinds[i] != kind || !check_head(b, i))
+            continue;
+        if (used == max) {
+            findings_error(b->findings, block_at(b, i)->word, "the deck has more than %zu blocks '%s'", max,
+                           schema_block(kind)->name);
+            break;
+        }
+        blocks[used++] = i;
+    }
+    return used;
+}
+
+struct named_thing {
+    const char *name;
+    size_t block;
+};
+
+static int compare_named(const void *a, const void *b)
+{
+    const struct named_thing *x = a, *y = b;
+    int order = strcmp(x->name, y->name);
+    return order != 0 ? order : x->block < y->block ? -1 : x->block > y->block;
+}
+
+/* Copies the names of n things; `stride` bytes apart from `names`. Reports those that are there twice. */
+static bool name_things(struct deck_binding *b, const size_t *blocks, size_t n, char *names, size_t stride)
+{
+    struct named_thing *sorted = mem_zalloc(n, sizeof *sorted);
+    if (sorted == NULL)
+        return false;
+    for (size_t i = 0; i < n; i++) {
+        struct deck_place name = name_of(b, blocks[i], 0);
+        memcpy(names + i * stride, place_bytes(b->tree->source, name), name.length);
+        sorted[i] = (struct named_thing){names + i * stride, blocks[i]};
+    }
+    qsort(sorted, n, sizeof *sorted, compare_named);
+    for (size_t i = 1; i < n; i++) {
+        struct place_text kind;
+        if (strcmp(sorted[i].name, sorted[i - 1].name) == 0)
+            findings_error(b->findings, name_of(b, sorted[i].block, 0), "there is a %s '%s' before",
+                           place_text(b->tree->source, block_at(b, sorted[i].block)->word, &kind), sorted[i].name);
+    }
+    free(sorted);
+    return true;
+}
+
+static bool unknown_key_like(const struct deck_binding *b, size_t block, const struct block_schema *schema,
+                             const char *name)
+{
+    const struct deck_block *at = block_at(b, block);
+    for (size_t i = 0; i < at->n_entries; i++) {
+        struct deck_place key = b->tree->entries[at->first_entry + i].key;
+        const char *bytes = place_bytes(b->tree->source, key);
+        if (schema_find_key(schema, bytes, key.length) < 0 && words_near(bytes, key.length, name))
+            return true;
+    }
+    return false;
+}
+
+bool binding_missing(const struct deck_binding *b, size_t block, const char *key)
+{
+    return entry_of(b, block, key) == NULL && !block_at(b, block)->bad &&
+           !unknown_key_like(b, block, schema_block(b->kinds[block]), key);
+}
+
+/* Reads all entries of a block into `base`. Gives the keywords that were given and those that are bad, as bits. */
+static void read_entries(struct deck_binding *b, size_t block, void *base, uint32_t *set, uint32_t *bad)
+{
+    const struct deck_block *at = block_at(b, block);
+    const struct block_schema *schema = schema_block(b->kinds[block]);
+    struct word_list known = schema_key_names(schema);
+    *set = *bad = 0;
+    for (size_t i = 0; i < at->n_entries; i++) {
+        struct deck_entry *entry = &b->tree->entries[at->first_entry + i];
+        const char *word = place_bytes(b->tree->source, entry->key);
+        int key = schema_find_key(schema, word, entry->key.length);
+        struct place_text text;
+        struct word_hint hint;
+        if (key < 0) {
+            findings_error(b->findings, entry->key, "'%s' is no keyword of '%s'%s",
+                           place_text(b->tree->source, entry->key, &text), schema->name,
+                           words_hint(&known, word, entry->key.length, &hint));
+        } else if (*set >> key & 1u) {
+            findings_error(b->findings, entry->key, "'%s' is given twice", schema->keys[key].name);
+        } else {
+            *set |= 1u << key;
+            if (!value_read(b, &schema->keys[key], entry, base))
+                *bad |= 1u << key;
+        }
+    }
+}
+
+static void check_missing_keys(struct deck_binding *b, size_t block, uint32_t set)
+{
+    const struct block_schema *schema = schema_block(b->kinds[block]);
+    if (block_at(b, block)->bad)
+        return;
+    for (size_t i = 0; i < schema->n_keys; i++) {
+        const struct deck_key *key = &schema->keys[i];
+        bool replaced = b->steps_replaced && strcmp(key->name, "steps") == 0;
+        if (key->required && (set >> i & 1u) == 0 && !replaced && !unknown_key_like(b, block, schema, key->name))
+            findings_error(b->findings, block_at(b, block)->word, "the block '%s' lacks '%s': %s", schema->name,
+                           key->name, key->meaning);
+    }
+}
+
+static void read_block(struct deck_binding *b, size_t block, void *base)
+{
+    uint32_t set, bad;
+    read_entries(b, block, base, &set, &bad);
+    check_missing_keys(b, block, set);
+}
+
+static bool bind_materials(struct deck_binding *b)
+{
+    struct config *c = b->config;
+    size_t n = collect(b, BLOCK_MATERIAL, MATERIAL_MAX, b->material_block, 0);
+    c->materials = mem_zalloc(n, sizeof *c->materials);
+    if (c->materials == NULL)
+        return false;
+    c->n_materials = n;
+    for (size_t i = 0; i < n; i++) {
+        schema_defaults(schema_block(BLOCK_MATERIAL), &c->materials[i]);
+        read_block(b, b->material_block[i], &c->materials[i]);
+    }
+    return n == 0 || name_things(b, b->material_block, n, c->materials[0].name, sizeof *c->materials);
+}
+
+static bool bind_bodies(struct deck_binding *b)
+{
+    struct config *c = b->config;
+    size_t n = collect(b, BLOCK_BODY, BODY_MAX, b->body_block, 0);
+    c->bodies = mem_zalloc(n, sizeof *c->bodies);
+    if (c->bodies == NULL)
+        return false;
+    c->n_bodies = n;
+    for (size_t i = 0; i < n; i++) {
+        struct body_config *body = &c->bodies[i];
+        size_t block = b->body_block[i];
+        schema_defaults(schema_block(BLOCK_BODY), body);
+        read_block(b, block, body);
+        if (entry_of(b, block, "row_spacing") == NULL)
+            body->row_spacing = body->lattice == LATTICE_HEXAGONAL ? body->spacing * 0.86602540378443864676
+                                                                   : body->spacing;
+        if (entry_of(b, block, "radius") == NULL)
+            body->radius = body->spacing / 2;
+    }
+    return n == 0 || name_things(b, b->body_block, n, c->bodies[0].name, sizeof *c->bodies);
+}
+
+static bool bind_probes(struct deck_binding *b)
+{
+    struct config *c = b->config;
+    size_t n = collect(b, BLOCK_PROBE, PROBE_MAX, b->probe_block, 0);
+    c->probes = mem_zalloc(n, sizeof *c->probes);
+    if (c->probes == NULL)
+        return false;
+    c->n_probes = n;
+    for (size_t i = 0; i < n; i++) {
+        schema_defaults(schema_block(BLOCK_PROBE), &c->probes[i]);
+        read_block(b, b->probe_block[i], &c->probes[i]);
+    }
+    return n == 0 || name_things(b, b->probe_block, n, c->probes[0].name, sizeof *c->probes);
+}
+
+/* --- interactions ------------------------------------------------------------------------------------- */
+
+static bool rule_head(struct deck_binding *b, size_t block, struct interaction_rule *rule)
+{
+    static const char relations[] = "grain|body";
+    size_t first = 0;
+    *rule = (struct interaction_rule){.relation = -1, .material = {-1, -1}};
+    if (b->kinds[block] == BLOCK_INTERFACE) {
+        struct deck_place word = name_of(b, block, 0);
+        int choice = schema_find_choice(relations, place_bytes(b->tree->source, word), word.length);
+        struct place_text text;
+        if (choice < 0) {
+            findings_error(b->findings, word, "an interface is one of 'grain' and 'body', not '%s'",
+                           place_text(b->tree->source, word, &text));
+            return false;
+        }
+        rule->relation = choice == 0 ? RELATION_OTHER_GRAIN : RELATION_OTHER_BODY;
+        first = 1;
+    }
+    bool ok = true;
+    for (size_t i = first; i < block_at(b, block)->n_names; i++) {
+        rule->material[i - first] = binding_material(b, name_of(b, block, i));
+        ok = ok && rule->material[i - first] >= 0;
+    }
+    if (rule->material[0] > rule->material[1]) {
+        int swap = rule->material[0];
+        rule->material[0] = rule->material[1];
+        rule->material[1] = swap;
+    }
+    return ok;
+}
+
+/* One number for what a rule is about. */
+static long rule_key(const struct interaction_rule *rule)
+{
+    return ((long)(rule->relation + 1) * (MATERIAL_MAX + 1) + rule->material[0] + 1) * (MATERIAL_MAX + 1) +
+           rule->material[1] + 1;
+}
+
+static bool bind_rules(struct deck_binding *b)
+{
+    struct config *c = b->config;
+    size_t n = collect(b, BLOCK_INTERACTION, RULE_MAX, b->rule_block, 0);
+    n = collect(b, BLOCK_INTERFACE, RULE_MAX, b->rule_block, n);
+    unsigned char *seen = mem_zalloc((size_t)(RELATION_COUNT + 1) * (MATERIAL_MAX + 1) * (MATERIAL_MAX + 1), 1);
+    c->rules = mem_zalloc(n, sizeof *c->rules);
+    bool ok = c->rules != NULL && seen != NULL;
+    for (size_t i = 0; ok && i < n; i++) {
+        struct interaction_rule *rule = &c->rules[c->n_rules];
+        size_t block = b->rule_block[i];
+        bool head = rule_head(b, block, rule);
+        read_entries(b, block, &rule->value, &rule->set, &rule->bad);
+        if (head && seen[rule_key(rule)])
+            findings_error(b->findings, block_at(b, block)->word, "there is a block for the same pair before");
+        if (!head)
+            continue;
+        seen[rule_key(rule)] = 1;
+        b->rule_block[c->n_rules++] = block;
+    }
+    free(seen);
+    return ok;
+}
+
+static void bind_single(struct deck_binding *b, enum block_kind kind)
+{
+    size_t block = b->single[kind];
+    if (block < b->tree->n_blocks && check_head(b, block))
+        read_block(b, block, b->config);
+}
+
+bool deck_bind(struct deck_binding *b, int64_t steps)
+{
+    struct config *c = b->config;
+    b->steps_replaced = steps >= 0;
+    if (!find_kinds(b)) {
+        b->findings->no_memory = true;
+        return false;
+    }
+    schema_defaults(schema_block(BLOCK_DOMAIN), c);
+    schema_defaults(schema_block(BLOCK_TIME), c);
+    schema_defaults(schema_block(BLOCK_OUTPUT), c);
+    c->output.vtp = true;
+    bool ok = bind_materials(b) && bind_rules(b) && bind_bodies(b) && bind_probes(b);
+    bind_single(b, BLOCK_DOMAIN);
+    bind_single(b, BLOCK_TIME);
+    bind_single(b, BLOCK_OUTPUT);
+    check_missing_blocks(b);
+    if (steps >= 0)
+        c->steps = steps;
+    if (c->output.history_every < 0)
+        c->output.history_every = c->steps / 200 > 1 ? c->steps / 200 : 1;
+    b->findings->no_memory |= !ok;
+    return !b->findings->no_memory;
+}
+
+void deck_binding_free(struct deck_binding *b)
+{
+    free(b->kinds);
+    free(b->material_block);
+    free(b->body_block);
+    free(b->probe_block);
+    free(b->rule_block);
+}

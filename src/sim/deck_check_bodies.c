@@ -1,0 +1,173 @@
+/* Bodies and probes: shapes, what they are made of, whether they lie in the domain and apart from one another. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "dm2/base/mem.h"
+#include "dm2/sim/deck_check.h"
+#include "dm2/sim/shape.h"
+
+enum { BOX_WORDS = 4 };
+
+static bool body_shape_known(const struct deck_binding *b, size_t body)
+{
+    return binding_given(b, b->body_block[body], "shape");
+}
+
+static bool check_shape(const struct deck_binding *b, size_t i)
+{
+    const struct shape_config *s = &b->config->bodies[i].shape;
+    struct deck_place place = binding_place(b, b->body_block[i], "shape", 0);
+    const char *problem = NULL;
+    if (s->kind == SHAPE_RECTANGLE && !(s->box[0] < s->box[2] && s->box[1] < s->box[3]))
+        problem = "a rectangle is x0 y0 x1 y1 with x0 < x1 and y0 < y1";
+    else if (s->kind == SHAPE_DISC && !(s->radius > 0))
+        problem = "a disc is x y radius with a radius greater than 0";
+    else if (s->kind == SHAPE_POLYGON && shape_crosses_itself(s))
+        problem = "the edges of this polygon cross or touch one another";
+    else if (!(shape_area(s) > 0) || !isfinite(shape_area(s)))
+        problem = "the area of this shape is not a positive number";
+    if (problem != NULL)
+        findings_error(b->findings, place, "%s", problem);
+    return problem == NULL;
+}
+
+static void check_mix(const struct deck_binding *b, size_t i)
+{
+    const struct body_config *body = &b->config->bodies[i];
+    size_t block = b->body_block[i];
+    struct number_text sum_text, t, tm;
+    double sum = 0;
+    if (binding_missing(b, block, "material") && binding_missing(b, block, "mix"))
+        findings_error(b->findings, binding_place(b, block, "material", 0), "the body '%s' lacks 'material' or 'mix'",
+                       body->name);
+    if (binding_given(b, block, "material") && binding_given(b, block, "mix"))
+        findings_error(b->findings, binding_place(b, block, "mix", 0), "give 'material' or 'mix', not both");
+    for (size_t m = 0; m < body->n_mix; m++) {
+        const struct material_config *material = &b->config->materials[body->mix_material[m]];
+        sum += body->mix_fraction[m];
+        if (body->temperature >= material->tm)
+            findings_error(b->findings, binding_place(b, block, "temperature", 0),
+                           "the body '%s' starts at %s K, but its material '%s' melts at %s K", body->name,
+                           number_text(body->temperature, &t), material->name, number_text(material->tm, &tm));
+    }
+    if (body->n_mix > 0 && fabs(sum - 1) > 1e-6)
+        findings_error(b->findings, binding_place(b, block, "mix", 0), "the fractions of the mix sum to %s, not to 1",
+                       number_text(sum, &sum_text));
+}
+
+static void check_in_domain(const struct deck_binding *b, size_t i)
+{
+    const struct config *c = b->config;
+    double box[BOX_WORDS];
+    bool inside = true, outside = false;
+    shape_box(&c->bodies[i].shape, box);
+    for (int a = 0; a < 2; a++) {
+        double low = c->origin[a], high = c->origin[a] + c->size[a];
+        if (!isfinite(low) || !isfinite(high))
+            return;
+        inside = inside && box[a] >= low && box[a + 2] <= high;
+        outside = outside || box[a] >= high || box[a + 2] <= low;
+    }
+    struct deck_place place = binding_place(b, b->body_block[i], "shape", 0);
+    if (outside)
+        findings_error(b->findings, place, "the body '%s' lies outside the domain", c->bodies[i].name);
+    else if (!inside)
+        findings_warn(b->findings, place, "the body '%s' lies partly outside the domain", c->bodies[i].name);
+}
+
+static double estimate(const struct body_config *body)
+{
+    return shape_area(&body->shape) / (body->spacing * body->row_spacing);
+}
+
+struct extent {
+    double box[BOX_WORDS];
+    size_t body;
+};
+
+static int compare_extents(const void *a, const void *b)
+{
+    const struct extent *x = a, *y = b;
+    if (x->box[0] != y->box[0])
+        return x->box[0] < y->box[0] ? -1 : 1;
+    return x->body < y->body ? -1 : x->body > y->body;
+}
+
+static void check_overlap(const struct deck_binding *b, size_t i, size_t j)
+{
+    /* The later one of the deck is told about. */
+    size_t first = i < j ? i : j, second = i < j ? j : i;
+    const struct body_config *x = &b->config->bodies[first], *y = &b->config->bodies[second];
+    struct deck_place place = binding_place(b, b->body_block[second], "shape", 0);
+    bool bad = binding_bad(b, b->body_block[i], "velocity") || binding_bad(b, b->body_block[j], "velocity");
+    if (bad || !shape_overlaps(&x->shape, &y->shape))
+        return;
+    if (x->velocity[0] != y->velocity[0] || x->velocity[1] != y->velocity[1])
+        findings_error(b->findings, place, "the bodies '%s' and '%s' overlap, and their velocities differ", x->name,
+                       y->name);
+    else
+        findings_warn(b->findings, place, "the bodies '%s' and '%s' overlap: elements may lie on one another",
+                      x->name, y->name);
+}
+
+/* Sweeps over the bodies from left to right. */
+static void check_overlaps(const struct deck_binding *b, struct extent *extents, size_t n)
+{
+    qsort(extents, n, sizeof *extents, compare_extents);
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = i + 1; j < n && extents[j].box[0] < extents[i].box[2] && !b->findings->more_errors; j++)
+            check_overlap(b, extents[i].body, extents[j].body);
+}
+
+static void check_probes(const struct deck_binding *b, const struct extent *extents, size_t n)
+{
+    for (size_t i = 0; i < b->config->n_probes; i++) {
+        const double *box = b->config->probes[i].box;
+        struct deck_place place = binding_place(b, b->probe_block[i], "region", 0);
+        struct shape_config region = {.kind = SHAPE_RECTANGLE, .box = {box[0], box[1], box[2], box[3]}};
+        bool meets = n < b->config->n_bodies || n == 0;
+        if (!binding_given(b, b->probe_block[i], "region"))
+            continue;
+        if (!(box[0] < box[2] && box[1] < box[3])) {
+            findings_error(b->findings, place, "a region is x0 y0 x1 y1 with x0 < x1 and y0 < y1");
+            continue;
+        }
+        for (size_t j = 0; j < n && !meets; j++)
+            meets = shape_overlaps(&region, &b->config->bodies[extents[j].body].shape);
+        if (!meets)
+            findings_error(b->findings, place, "the region of the probe '%s' holds no body",
+                           b->config->probes[i].name);
+    }
+}
+
+bool check_bodies(const struct deck_binding *b)
+{
+    size_t n = 0;
+    double elements = 0;
+    struct extent *extents = mem_zalloc(b->config->n_bodies, sizeof *extents);
+    if (extents == NULL) {
+        b->findings->no_memory = true;
+        return false;
+    }
+    for (size_t i = 0; i < b->config->n_bodies; i++) {
+        const struct body_config *body = &b->config->bodies[i];
+        check_mix(b, i);
+        if (!body_shape_known(b, i) || !check_shape(b, i))
+            continue;
+        check_in_domain(b, i);
+        shape_box(&body->shape, extents[n].box);
+        extents[n++].body = i;
+        double own = estimate(body);
+        elements += own > 0 ? own : 0;
+        if (elements > DECK_MAX_ELEMENTS) {
+            findings_error(b->findings, binding_place(b, b->body_block[i], "spacing", 0),
+                           "the deck would have about %.3g elements with the body '%s'; the most is %.3g", elements,
+                           body->name, DECK_MAX_ELEMENTS);
+            elements = 0;
+        }
+    }
+    check_overlaps(b, extents, n);
+    check_probes(b, extents, n);
+    free(extents);
+    return true;
+}

@@ -1,0 +1,87 @@
+/* The distance is that of Damerau and Levenshtein with neighbours swapped at most once (optimal string
+ * alignment), counted in halves so that a letter of the wrong case costs less than a wrong letter. A candidate is
+ * near when less than about a third of the word has to change. */
+#include "dm2/sim/words.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { LONGEST = 40, FAR = 1000 };
+
+static int lower(char c)
+{
+    return tolower((unsigned char)c);
+}
+
+static int least(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+int words_distance(const char *a, size_t n_a, const char *b, size_t n_b)
+{
+    int d[LONGEST + 1][LONGEST + 1];
+    if (n_a > LONGEST || n_b > LONGEST)
+        return FAR;
+    for (size_t i = 0; i <= n_a; i++)
+        d[i][0] = 2 * (int)i;
+    for (size_t j = 0; j <= n_b; j++)
+        d[0][j] = 2 * (int)j;
+    for (size_t i = 1; i <= n_a; i++) {
+        for (size_t j = 1; j <= n_b; j++) {
+            int change = a[i - 1] == b[j - 1] ? 0 : lower(a[i - 1]) == lower(b[j - 1]) ? 1 : 2;
+            int best = least(d[i - 1][j] + 2, d[i][j - 1] + 2);
+            best = least(best, d[i - 1][j - 1] + change);
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+                best = least(best, d[i - 2][j - 2] + 2);
+            d[i][j] = best;
+        }
+    }
+    return d[n_a][n_b];
+}
+
+static void list_all(const struct word_list *known, struct word_hint *out)
+{
+    size_t used = 0;
+    for (size_t i = 0; i < known->n; i++) {
+        const char *name = known->name(known->context, i);
+        if (used + strlen(name) + 16 > sizeof out->text) {
+            (void)snprintf(out->text + used, sizeof out->text - used, ", ...");
+            return;
+        }
+        used += (size_t)snprintf(out->text + used, sizeof out->text - used, "%s%s", i == 0 ? "; known: " : ", ",
+                                 name);
+    }
+}
+
+/* The most halves that a word of this length may differ in. Of a word of one or two letters one must be right. */
+static int limit(size_t length)
+{
+    return length <= 1 ? 1 : length == 2 ? 2 : (int)(2 * length + 2) / 3;
+}
+
+bool words_near(const char *word, size_t length, const char *known)
+{
+    return words_distance(word, length, known, strlen(known)) <= limit(length);
+}
+
+const char *words_hint(const struct word_list *known, const char *word, size_t length, struct word_hint *out)
+{
+    const char *nearest = NULL;
+    int distance = limit(length) + 1;
+    for (size_t i = 0; i < known->n; i++) {
+        const char *name = known->name(known->context, i);
+        int d = words_distance(word, length, name, strlen(name));
+        if (d < distance) {
+            distance = d;
+            nearest = name;
+        }
+    }
+    out->text[0] = '\0';
+    if (nearest != NULL)
+        (void)snprintf(out->text, sizeof out->text, "; did you mean '%s'?", nearest);
+    else
+        list_all(known, out);
+    return out->text;
+}

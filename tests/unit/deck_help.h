@@ -1,0 +1,31 @@
+/* For tests of the deck: a source from texts in memory, loaded. */
+#ifndef DM2_TESTS_DECK_HELP_H
+#define DM2_TESTS_DECK_HELP_H
+
+#include "dm2/sim/deck.h"
+
+struct loaded {
+    enum dm2_status status;
+    struct config config;
+    struct deck_report report;
+};
+
+/* Loads one text called "deck" with the given -D (NULL-terminated list, or NULL) and --steps. */
+static inline struct loaded load_text(const char *text, const char *const *defines, int64_t steps)
+{
+    struct loaded out;
+    struct deck_text one = {(char *)"deck", (char *)text, strlen(text)};
+    struct deck_source source = {&one, 1, (char **)defines, 0, steps};
+    while (defines != NULL && defines[source.n_defines] != NULL)
+        source.n_defines++;
+    out.status = deck_load(&source, &out.config, &out.report);
+    return out;
+}
+
+static inline void loaded_free(struct loaded *l)
+{
+    config_free(&l->config);
+    deck_report_free(&l->report);
+}
+
+#endif
