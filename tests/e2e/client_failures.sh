@@ -131,6 +131,18 @@ run_long -n 2
 kill -TERM "$client_pid"
 client_ends 1 'interrupted'
 
+# One that is killed leaves no server behind: the next connection sees it end, the one after finds nobody.
+run_long -n 2
+kill -KILL "$client_pid"
+wait "$client_pid"
+exec 4<&-
+rm -f progress
+port=${line##*slowest 127.0.0.1:}
+port=${port%% *}
+"$tcp" send "$port" </dev/null >reply 2>err
+! "$tcp" send "$port" </dev/null >reply 2>err || fail "the local server on port $port lives on"
+rm -r long
+
 # A disk that is full: a limit on the size of files, in blocks of 512 bytes.
 got=0
 (ulimit -f 20 && exec "$client" "$deck" -n 2 -q -o full) >out 2>err || got=$?
