@@ -30,7 +30,7 @@ static double get_finite(struct bytes_reader *r)
     return x;
 }
 
-void wire_put_element(struct bytes_writer *w, const struct element *e)
+void wire_put_mirror(struct bytes_writer *w, const struct element *e)
 {
     bytes_put_u32(w, e->id);
     bytes_put_u32(w, e->grain);
@@ -47,8 +47,17 @@ void wire_put_element(struct bytes_writer *w, const struct element *e)
     bytes_put_f64(w, e->p);
 }
 
-void wire_get_element(struct bytes_reader *r, const struct wire_limits *limits, struct element *out)
+void wire_put_element(struct bytes_writer *w, const struct element *e)
 {
+    wire_put_mirror(w, e);
+    bytes_put_f64(w, e->work);
+    bytes_put_f64s(w, e->strain, 3);
+    bytes_put_u16(w, e->bonds);
+}
+
+void wire_get_mirror(struct bytes_reader *r, const struct wire_limits *limits, struct element *out)
+{
+    *out = (struct element){0};
     out->id = bytes_get_u32(r);
     out->grain = bytes_get_u32(r);
     out->body = bytes_get_u16(r);
@@ -66,6 +75,15 @@ void wire_get_element(struct bytes_reader *r, const struct wire_limits *limits, 
     out->p = get_finite(r);
     require(r, out->id < limits->elements && out->body < limits->bodies && out->kind < limits->kinds);
     require(r, (out->flags & ~ELEMENT_FIXED_MOTION) == 0 && out->radius > 0 && out->mass > 0);
+}
+
+void wire_get_element(struct bytes_reader *r, const struct wire_limits *limits, struct element *out)
+{
+    wire_get_mirror(r, limits, out);
+    out->work = get_finite(r);
+    for (int k = 0; k < 3; k++)
+        out->strain[k] = get_finite(r);
+    out->bonds = bytes_get_u16(r);
 }
 
 void wire_put_pair(struct bytes_writer *w, const struct pair_record *p)
@@ -171,20 +189,23 @@ void wire_get_measures(struct bytes_reader *r, struct measures *out)
     }
 }
 
-static void put_elements(struct bytes_writer *w, const struct element *e, size_t n)
+static void put_elements(struct bytes_writer *w, const struct element *e, size_t n, bool mirrors)
 {
     bytes_put_u32(w, (uint32_t)n);
-    for (size_t k = 0; k < n; k++)
+    for (size_t k = 0; k < n && mirrors; k++)
+        wire_put_mirror(w, &e[k]);
+    for (size_t k = 0; k < n && !mirrors; k++)
         wire_put_element(w, &e[k]);
 }
 
-static struct element *get_elements(struct bytes_reader *r, const struct wire_limits *limits, size_t *n)
+static struct element *get_elements(struct bytes_reader *r, const struct wire_limits *limits, size_t *n,
+                                    bool mirrors)
 {
-    *n = bytes_get_count(r, WIRE_ELEMENT);
+    *n = bytes_get_count(r, mirrors ? WIRE_MIRROR : WIRE_ELEMENT);
     struct element *e = r->failed ? NULL : mem_zalloc(*n, sizeof *e);
     require(r, e != NULL);
     for (size_t k = 0; k < *n && !r->failed; k++)
-        wire_get_element(r, limits, &e[k]);
+        (mirrors ? wire_get_mirror : wire_get_element)(r, limits, &e[k]);
     return e;
 }
 
@@ -194,23 +215,23 @@ void wire_put_parcel(struct bytes_writer *w, const struct parcel *p)
         w->failed = true;
         return;
     }
-    put_elements(w, p->migrants, p->n_migrants);
+    put_elements(w, p->migrants, p->n_migrants, false);
     bytes_put_u32(w, (uint32_t)p->n_pairs);
     for (size_t k = 0; k < p->n_pairs; k++)
         wire_put_pair(w, &p->pairs[k]);
-    put_elements(w, p->mirrors, p->n_mirrors);
+    put_elements(w, p->mirrors, p->n_mirrors, true);
 }
 
 void wire_get_parcel(struct bytes_reader *r, const struct wire_limits *limits, struct parcel *out)
 {
     *out = (struct parcel){0};
-    out->migrants = get_elements(r, limits, &out->n_migrants);
+    out->migrants = get_elements(r, limits, &out->n_migrants, false);
     out->n_pairs = bytes_get_count(r, WIRE_PAIR);
     out->pairs = r->failed ? NULL : mem_zalloc(out->n_pairs, sizeof *out->pairs);
     require(r, out->pairs != NULL);
     for (size_t k = 0; k < out->n_pairs && !r->failed; k++)
         wire_get_pair(r, limits, &out->pairs[k]);
-    out->mirrors = get_elements(r, limits, &out->n_mirrors);
+    out->mirrors = get_elements(r, limits, &out->n_mirrors, true);
     if (r->failed)
         wire_parcel_free(out);
 }

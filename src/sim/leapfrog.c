@@ -76,6 +76,13 @@ void leapfrog_set_pressure(const struct model *m, struct particles *p)
     }
 }
 
+/* Power of what keeps a driven element at its velocity against the forces on it. Its work up to a whole step counts half
+ * of the power there and half of the power at the start: the trapezoidal rule, as accurate as the leapfrog itself. */
+static double drive_power(const struct particles *p, size_t i, const struct kick *k)
+{
+    return -(k->force[0] * p->v[2 * i] + k->force[1] * p->v[2 * i + 1]);
+}
+
 /* Adds slot i's part of the measures of this step. False where a value is out of the sums' range. */
 static bool measure_element(const struct model *m, const struct particles *p, size_t i, int64_t step, const struct kick *k,
                             struct measures *out)
@@ -84,10 +91,12 @@ static bool measure_element(const struct model *m, const struct particles *p, si
     double share = step == 0 ? 0.0 : 0.5, mass = p->mass[i], stress[3];
     double v[2] = {p->v[2 * i] + share * k->dv[0], p->v[2 * i + 1] + share * k->dv[1]}, w = p->w[i] + share * k->dw;
     double spin = 0.5 * mass * (p->radius[i] * p->radius[i]) * w;
-    double x = p->r[2 * i], y = p->r[2 * i + 1];
+    double x = p->r[2 * i], y = p->r[2 * i + 1], work = p->work[i];
+    if (p->flags[i] & ELEMENT_FIXED_MOTION)
+        work += share * leapfrog_kick_time(m, step) * drive_power(p, i, k);
     bool fits = exact_add(&out->kinetic, 0.5 * mass * (v[0] * v[0] + v[1] * v[1]) + 0.5 * spin * w, s->energy);
     fits &= exact_add(&out->thermal, p->heat[i] + k->heat_now + share * k->heat_damped, s->energy);
-    fits &= exact_add(&out->work, p->work[i], s->energy);
+    fits &= exact_add(&out->work, work, s->energy);
     fits &= exact_add(&out->momentum[0], mass * v[0], s->momentum);
     fits &= exact_add(&out->momentum[1], mass * v[1], s->momentum);
     fits &= exact_add(&out->angular, mass * (x * v[1] - y * v[0]) + spin, s->momentum);
@@ -139,7 +148,7 @@ enum dm2_status leapfrog_move(const struct model *m, struct particles *p, int64_
             return out_of_range(p, i, step, "would move further than a cell edge in one step", err);
         p->w[i] += k.dw;
         if (p->flags[i] & ELEMENT_FIXED_MOTION)
-            p->work[i] -= (k.force[0] * v[0] + k.force[1] * v[1]) * dt;
+            p->work[i] += drive_power(p, i, &k) * dt_kick;
         else
             p->work[i] += p->mass[i] * (c->gravity[0] * v[0] + c->gravity[1] * v[1]) * dt;
         for (int a = 0; a < 2; a++) {

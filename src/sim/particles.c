@@ -18,7 +18,7 @@ static const struct column columns[] = {
     COLUMN(r, 2),      COLUMN(v, 2),     COLUMN(w, 1),     COLUMN(radius, 1),  COLUMN(mass, 1),
     COLUMN(temperature, 1), COLUMN(soft, 1), COLUMN(p, 1), COLUMN(heat, 1),   COLUMN(work, 1),
     COLUMN(id, 1),     COLUMN(grain, 1), COLUMN(kind, 1),  COLUMN(body, 1),    COLUMN(flags, 1),
-    COLUMN(probes, 1),
+    COLUMN(probes, 1), COLUMN(strain, 3), COLUMN(bonds, 1),
     /* what only one force evaluation needs */
     COLUMN(far_sum, 2), COLUMN(pair_sum, SUM_COUNT), COLUMN(virial, 3), COLUMN(links, 1), COLUMN(contacts, 1),
 };
@@ -74,7 +74,9 @@ void particles_get(const struct particles *p, size_t i, struct element *out)
     *out = (struct element){.id = p->id[i], .grain = p->grain[i], .body = p->body[i], .kind = p->kind[i],
                             .flags = p->flags[i], .probes = p->probes[i], .radius = p->radius[i], .mass = p->mass[i],
                             .r = {p->r[2 * i], p->r[2 * i + 1]}, .v = {p->v[2 * i], p->v[2 * i + 1]}, .w = p->w[i],
-                            .heat = p->heat[i], .p = p->p[i], .work = p->work[i]};
+                            .heat = p->heat[i], .p = p->p[i], .work = p->work[i],
+                            .strain = {p->strain[3 * i], p->strain[3 * i + 1], p->strain[3 * i + 2]},
+                            .bonds = p->bonds[i]};
 }
 
 void particles_put(struct particles *p, const struct model *m, size_t i, const struct element *in)
@@ -95,6 +97,8 @@ void particles_put(struct particles *p, const struct model *m, size_t i, const s
     p->body[i] = in->body;
     p->flags[i] = in->flags;
     p->probes[i] = in->probes;
+    memcpy(p->strain + 3 * i, in->strain, sizeof in->strain);
+    p->bonds[i] = in->bonds;
     particles_warm(p, m, i);
 }
 
@@ -102,7 +106,7 @@ int particles_permute(struct particles *p, const uint32_t *from, size_t n)
 {
     if (particles_reserve(p, n) != 0)
         return -1;
-    char *scratch = mem_alloc(n, 2 * sizeof(double));
+    char *scratch = mem_alloc(n, 3 * sizeof(double)); /* the widest of the state columns */
     if (scratch == NULL)
         return -1;
     for (size_t c = 0; c < STATE_COLUMNS; c++) {

@@ -464,6 +464,18 @@ static enum dm2_status settle_chosen(struct subdomain *sd, const struct chooser 
     return settle(sd, &parcel, 1, initial, err);
 }
 
+/* How many links each owned element starts with. */
+static void count_bonds(struct subdomain *sd)
+{
+    const struct lists *l = &sd->lists;
+    for (size_t i = 0; i < sd->p.n_own; i++) {
+        for (uint32_t k = l->near.start[i]; k < l->near.start[i + 1]; k++) {
+            sd->p.bonds[i] = (uint16_t)(sd->p.bonds[i] + l->linked[k]);
+            sd->p.bonds[l->near.j[k]] = (uint16_t)(sd->p.bonds[l->near.j[k]] + l->linked[k]);
+        }
+    }
+}
+
 enum dm2_status subdomain_create(const struct model *model, const struct domain_map *map, int rank,
                                  struct subdomain **out, struct dm2_error *err)
 {
@@ -481,6 +493,7 @@ enum dm2_status subdomain_create(const struct model *model, const struct domain_
         *out = NULL;
         return status;
     }
+    count_bonds(*out);
     (*out)->times.rebuild += clock_now() - started;
     return DM2_OK;
 }

@@ -38,6 +38,9 @@ static inline void fake_element(struct element *e, struct element_measure *m, si
         .w = 0.3 / (double)(i + 1),
         .heat = 1e-9 * (double)i,
         .p = 1e-3 / (double)(i + 7),
+        .work = 1e-4 * (double)i,
+        .strain = {1e-3 * (double)i, -1e-3, 2e-5 / (double)(i + 1)},
+        .bonds = 6,
     };
     *m = (struct element_measure){
         .stress = {1e-4 * (double)i, -2e-4 / (double)(i + 1), 1e-5},

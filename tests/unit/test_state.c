@@ -53,6 +53,10 @@ static void check_element(const struct element *got, const struct element *want)
     CHECK_SAME_BITS(got->w, want->w);
     CHECK_SAME_BITS(got->heat, want->heat);
     CHECK_SAME_BITS(got->p, want->p);
+    CHECK_SAME_BITS(got->work, want->work);
+    for (int c = 0; c < 3; c++)
+        CHECK_SAME_BITS(got->strain[c], want->strain[c]);
+    CHECK_EQ_INT(got->bonds, want->bonds);
 }
 
 TEST(round_trip)
@@ -89,8 +93,8 @@ TEST(bytes_are_canonical)
     fake_make(&f, 3, 2);
     write_fake(&f, "b.dm2");
     char *bytes = scratch_read("b.dm2", &n);
-    CHECK_EQ_INT(n, 68 + 86 * f.n + 25 * f.n_pairs + 4);
-    CHECK_EQ_INT(memcmp(bytes, "DM2STATE\1\0\0\0\1\2\3\377\5", 17), 0);
+    CHECK_EQ_INT(n, 68 + 120 * f.n + 25 * f.n_pairs + 4);
+    CHECK_EQ_INT(memcmp(bytes, "DM2STATE\2\0\0\0\1\2\3\377\5", 17), 0);
     CHECK_EQ_INT(memcmp(bytes + 44, "\310\0\0\0\0\0\0\0\6\0\0\0\0\0\0\0", 16), 0);
     write_fake(&f, "c.dm2");
     char *again = scratch_read("c.dm2", NULL);
@@ -153,11 +157,13 @@ TEST(foreign_files)
     CHECK_CONTAINS(failure("x.dm2"), "is not a dm2 state file");
     write_bytes("x.dm2", "DM2STATE\2\0\0\0", 12);
     CHECK_CONTAINS(failure("x.dm2"), "is cut short");
-    char bytes[72] = "DM2STATE\2";
+    char bytes[72] = "DM2STATE", of_version[40];
+    bytes[8] = STATE_VERSION + 1;
+    (void)snprintf(of_version, sizeof of_version, "is a state of format version %d,", STATE_VERSION + 1);
     write_bytes("x.dm2", bytes, sizeof bytes);
-    CHECK_CONTAINS(failure("x.dm2"), "is a state of format version 2, this program reads version 1");
+    CHECK_CONTAINS(failure("x.dm2"), of_version);
     memset(bytes + 8, 0, sizeof bytes - 8);
-    bytes[8] = 1;
+    bytes[8] = STATE_VERSION;
     memset(bytes + 52, 0xff, 8); /* 2^64 - 1 elements must not be allocated, nor overflow */
     write_bytes("x.dm2", bytes, sizeof bytes);
     CHECK_CONTAINS(failure("x.dm2"), "announces 18446744073709551615 elements");
@@ -240,10 +246,10 @@ TEST(elements_out_of_order)
     size_t n;
     fake_make(&f, 2, 2);
     write_fake(&f, "h.dm2");
-    char *bytes = scratch_read("h.dm2", &n), record[86];
-    memcpy(record, bytes + 68, 86);
-    memcpy(bytes + 68, bytes + 68 + 86, 86);
-    memcpy(bytes + 68 + 86, record, 86);
+    char *bytes = scratch_read("h.dm2", &n), record[120];
+    memcpy(record, bytes + 68, 120);
+    memcpy(bytes + 68, bytes + 68 + 120, 120);
+    memcpy(bytes + 68 + 120, record, 120);
     uint32_t crc = crc32c(0, bytes, n - 4);
     for (int k = 0; k < 4; k++)
         bytes[n - 4 + (size_t)k] = (char)(crc >> (8 * k));

@@ -21,10 +21,14 @@ static struct element some_element(uint32_t id)
                             .v = {-0.0, 5e-324},
                             .w = 1e300,
                             .heat = 0.25,
-                            .p = -0.125};
+                            .p = -0.125,
+                            .work = 3.5,
+                            .strain = {0.5, -0.25, 1e-9},
+                            .bonds = 6};
 }
 
-static bool same_element(const struct element *a, const struct element *b)
+/* What travels of a mirror. */
+static bool same_mirror(const struct element *a, const struct element *b)
 {
     return a->id == b->id && a->grain == b->grain && a->body == b->body && a->kind == b->kind &&
            a->flags == b->flags && a->probes == b->probes &&
@@ -32,6 +36,12 @@ static bool same_element(const struct element *a, const struct element *b)
            memcmp(&a->mass, &b->mass, sizeof(double)) == 0 && memcmp(a->r, b->r, sizeof a->r) == 0 &&
            memcmp(a->v, b->v, sizeof a->v) == 0 && memcmp(&a->w, &b->w, sizeof(double)) == 0 &&
            memcmp(&a->heat, &b->heat, sizeof(double)) == 0 && memcmp(&a->p, &b->p, sizeof(double)) == 0;
+}
+
+static bool same_element(const struct element *a, const struct element *b)
+{
+    return same_mirror(a, b) && a->work == b->work && memcmp(a->strain, b->strain, sizeof a->strain) == 0 &&
+           a->bonds == b->bonds;
 }
 
 /* The parts of a parcel: two migrants with three pairs, and a mirror. */
@@ -49,7 +59,10 @@ TEST(sizes)
     CHECK_EQ_INT(w.length, WIRE_ELEMENT + WIRE_PAIR);
     wire_put_measured(&w, &m);
     CHECK_EQ_INT(w.length, WIRE_ELEMENT + WIRE_PAIR + WIRE_MEASURED);
-    CHECK(WIRE_ELEMENT <= 88); /* the paper's g */
+    bytes_clear(&w);
+    wire_put_mirror(&w, &e);
+    CHECK_EQ_INT(w.length, WIRE_MIRROR);
+    CHECK(WIRE_MIRROR <= 88); /* the paper's g */
     bytes_free(&w);
 }
 
@@ -72,7 +85,8 @@ TEST(a_parcel_round_trip)
     CHECK_EQ_INT(in.n_pairs, 3);
     CHECK_EQ_INT(in.n_mirrors, 1);
     CHECK(same_element(&in.migrants[0], &migrants[0]) && same_element(&in.migrants[1], &migrants[1]));
-    CHECK(same_element(&in.mirrors[0], &mirror));
+    CHECK(same_mirror(&in.mirrors[0], &mirror));
+    CHECK(in.mirrors[0].work == 0 && in.mirrors[0].bonds == 0); /* for its owner alone */
     for (int k = 0; k < 3; k++)
         CHECK(in.pairs[k].id_a == some_pairs[k].id_a && in.pairs[k].id_b == some_pairs[k].id_b &&
               in.pairs[k].linked == some_pairs[k].linked && in.pairs[k].stretch == some_pairs[k].stretch &&
@@ -130,6 +144,9 @@ TEST(elements_that_cannot_be)
     bad_element(e);
     e = some_element(1);
     e.radius = -1;
+    bad_element(e);
+    e = some_element(1);
+    e.strain[2] = NAN;
     bad_element(e);
 }
 

@@ -14,9 +14,10 @@
 #include "dm2/sim/subdomain.h"
 
 enum {
-    WIRE_ELEMENT = 86, /* bytes of an element, */
-    WIRE_PAIR = 25,    /* of the memory of a pair, */
-    WIRE_MEASURED = 56 /* of what was measured of an element */
+    WIRE_MIRROR = 86,                     /* bytes of an element that is mirrored, */
+    WIRE_ELEMENT = WIRE_MIRROR + 34,      /* of one with what only its owner knows, */
+    WIRE_PAIR = 25,                       /* of the memory of a pair, */
+    WIRE_MEASURED = 56                    /* of what was measured of an element */
 };
 
 /* What indices of a record must stay below. */
@@ -26,6 +27,10 @@ struct wire_limits {
 
 /* Those of a run. */
 struct wire_limits wire_limits_of(const struct model *model);
+
+/* The owner's part of a mirror is neither sent nor kept: it reads as 0. */
+void wire_put_mirror(struct bytes_writer *w, const struct element *e);
+void wire_get_mirror(struct bytes_reader *r, const struct wire_limits *limits, struct element *out);
 
 /* The state of an element. */
 void wire_put_element(struct bytes_writer *w, const struct element *e);

@@ -24,7 +24,10 @@ struct element {
     double w;       /* angular velocity there, 1/us */
     double heat;    /* thermal energy above its material's T0, g cm2/us2 */
     double p;       /* pressure of the last force evaluation, Mbar */
-    double work;    /* put in so far by the body force or by its drive, g cm2/us2 */
+    /* What only its owner knows; of a mirrored element it is 0. */
+    double work;      /* put in so far by the body force or by its drive, g cm2/us2 */
+    double strain[3]; /* xx, yy, xy, accumulated since the start where the deck asks for it; else 0 */
+    uint16_t bonds;   /* links that it started with */
 };
 
 /* The memory of one pair that is linked or in contact. Key: id_a < id_b. */

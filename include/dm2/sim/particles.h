@@ -34,6 +34,8 @@ struct particles {
     double *soft;        /* [n] softening factor, follows from temperature */
     double *p;           /* [n] pressure of the last evaluation, Mbar */
     double *heat, *work; /* [n] g cm2/us2 */
+    double *strain;      /* [n][3] xx, yy, xy, of owned elements */
+    uint16_t *bonds;     /* [n] links at the start, of owned elements */
     uint32_t *id, *grain;
     uint16_t *kind, *body;
     uint8_t *flags, *probes;
