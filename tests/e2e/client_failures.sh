@@ -5,6 +5,8 @@
 tcp=$DM2_BUILD/tools/tcp
 client=$DM2_BIN/dm2-client
 deck=$DM2_SRC/tests/decks/run/scatter.dm2
+version=$(sed -n 's/.*PROTOCOL_VERSION = \([0-9]*\).*/\1/p' "$DM2_SRC/include/dm2/dist/messages.h")
+own=$(printf '\\%03o\\000' "$version") # as printf takes it
 
 # nothing_left DIR: no result, not even in part.
 nothing_left()
@@ -61,8 +63,8 @@ answered_by()
 }
 answered_by 'SSH-2.0-OpenSSH_9.9\r\n' "does not speak dm2's protocol: its message starts with 'SSH-'"
 answered_by 'DM2\032\143\000\002\000\000\000\000\000\000\000\000\000' \
-    'speaks protocol version 99, this program version 1'
-answered_by 'DM2\032\001\000\002\000\377\377\377\000\000\000\000\000' 'announces a message'
+    'speaks protocol version 99, this program version '"$version"
+answered_by 'DM2\032'"$own"'\002\000\377\377\377\000\000\000\000\000' 'announces a message'
 
 # The server is killed, or stopped past the deadline, in the middle of a long run.
 # run_long OPTION...: starts a client and waits until it says that it computes.

@@ -3,6 +3,8 @@
 
 tcp=$DM2_BUILD/tools/tcp
 deck=$DM2_SRC/tests/decks/run/scatter.dm2
+version=$(sed -n 's/.*PROTOCOL_VERSION = \([0-9]*\).*/\1/p' "$DM2_SRC/include/dm2/dist/messages.h")
+own=$(printf '\\%03o\\000' "$version") # as printf takes it
 lines=0
 
 # logged TEXT: the server's log has one line more, and it contains TEXT. The server writes it before it takes the next
@@ -20,7 +22,7 @@ logged()
 
 start_server
 # A header: magic, version, type, flags, length, checksum.
-hello='\001\000\001\000'
+hello=$own'\001\000'
 printf 'GET / HTTP/1.1\r\nHost: x\r\n\r\n' | "$tcp" send "$SERVER_PORT" >reply
 logged "does not speak dm2's protocol: its message starts with 'GET '"
 head -c 100000 /dev/zero | "$tcp" send "$SERVER_PORT" >reply
@@ -30,12 +32,12 @@ logged 'closed the connection'
 printf 'DM2' | "$tcp" send "$SERVER_PORT" >reply
 logged 'in the middle of a message'
 printf 'DM2\032\143\000\001\000\000\000\000\000\000\000\000\000' | "$tcp" send "$SERVER_PORT" >reply
-logged 'speaks protocol version 99, this program version 1'
+logged 'speaks protocol version 99, this program version '"$version"
 printf 'DM2\032'"$hello"'\000\000\000\377\000\000\000\000' | "$tcp" send "$SERVER_PORT" >reply
 logged 'announces a message (type 1) of 4278190080 bytes where at most 1024'
 printf 'DM2\032'"$hello"'\004\000\000\000\000\000\000\000abcd' | "$tcp" send "$SERVER_PORT" >reply
 logged 'its checksum differs'
-printf 'DM2\032\001\000\007\000\000\000\000\000\000\000\000\000' | "$tcp" send "$SERVER_PORT" >reply
+printf 'DM2\032'"$own"'\007\000\000\000\000\000\000\000\000\000' | "$tcp" send "$SERVER_PORT" >reply
 logged 'its checksum differs'
 expect_text "$SERVER_LOG" "127.0.0.1:"
 
