@@ -1,8 +1,9 @@
 /* Reads a deck and the files that it includes, so that from there on a deck is plain texts that can travel.
  *
- * Includes are found by a look at the tokens: the word `include` at the beginning of a statement outside braces and a
- * string behind it. Anything odd about them is left to deck_load, which reports it with its place; only what cannot be
- * read from disk is an error here. A file included twice is read once, so that a cycle ends here too. */
+ * Includes are found by a look at the tokens: the word `include` at the beginning of a statement outside
+ * braces and a string behind it. Anything odd about them is left to deck_load, which reports it with its
+ * place; only what cannot be read from disk is an error here. A file included twice is read once, so that a
+ * cycle ends here too. */
 #include "dm2/sim/deck_source.h"
 
 #include <errno.h>
@@ -86,8 +87,8 @@ static enum dm2_status read_bytes(int fd, const char *path, struct deck_text *te
             break;
         text->length += (size_t)n;
         if (text->length > room)
-            return dm2_fail(err, DM2_DECK, "%s makes the deck larger than %d MiB; is this the right file?", path,
-                            DECK_MAX_BYTES >> 20);
+            return dm2_fail(err, DM2_DECK, "%s makes the deck larger than %d MiB; is this the right file?",
+                            path, DECK_MAX_BYTES >> 20);
     }
     text->text[text->length] = '\0';
     return DM2_OK;
@@ -126,8 +127,8 @@ static enum dm2_status add_file(struct deck_source *source, char *name, const ch
                                 struct dm2_error *err)
 {
     struct deck_text text = {name, NULL, 0};
-    struct deck_text *texts = name == NULL ? NULL
-                                           : realloc(source->texts, (source->n_texts + 1) * sizeof *source->texts);
+    struct deck_text *texts =
+        name == NULL ? NULL : realloc(source->texts, (source->n_texts + 1) * sizeof *source->texts);
     if (texts == NULL) {
         free(name);
         return dm2_fail(err, DM2_MEMORY, "no memory to read the deck");

@@ -1,5 +1,5 @@
-/* What the decks of input/ describe, counted with a lattice of this test's own: the paper's 1689 elements in rows of 54
- * and 55, the scaled plates, and how near lj-lattice comes to the number that was asked for. */
+/* What the decks of input/ describe, counted with a lattice of this test's own: the paper's 1689 elements in
+ * rows of 54 and 55, the scaled plates, and how near lj-lattice comes to the number that was asked for. */
 #include <limits.h>
 
 #include "check.h"
@@ -133,4 +133,5 @@ TEST(lj_lattice_has_n_elements)
     CHECK(fabs((double)count_lattice(1000000) / 1e6 - 1) < 0.001);
 }
 
-TEST_MAIN(CASE(plate_impact_has_the_papers_elements), CASE(plate_impact_scales), CASE(lj_lattice_has_n_elements))
+TEST_MAIN(CASE(plate_impact_has_the_papers_elements), CASE(plate_impact_scales),
+          CASE(lj_lattice_has_n_elements))

@@ -14,14 +14,14 @@ struct deck_binding {
     struct deck_tree *tree;
     struct findings *findings;
     struct config *config;
-    bool steps_replaced;      /* by --steps */
-    enum block_kind *kinds;   /* of each block of the tree; BLOCK_COUNT: unknown */
+    bool steps_replaced;        /* by --steps */
+    enum block_kind *kinds;     /* of each block of the tree; BLOCK_COUNT: unknown */
     size_t single[BLOCK_COUNT]; /* index of the first block of a kind; tree->n_blocks: none */
     size_t *material_block, *body_block, *probe_block, *rule_block; /* of config->materials etc. */
 };
 
-/* Fills *b and b->config, both empty at the start but for tree, findings and config. A real value that was given but
- * does not read is NaN, any other such value its default. False: no memory. */
+/* Fills *b and b->config, both empty at the start but for tree, findings and config. A real value that was
+ * given but does not read is NaN, any other such value its default. False: no memory. */
 bool deck_bind(struct deck_binding *b, int64_t steps);
 void deck_binding_free(struct deck_binding *b);
 
