@@ -303,11 +303,15 @@ report()
 printf 'Test project %s (%s)\n' "$DM2_SRC" "$FLAVOUR"
 begin=$(date +%s)
 failed=0 failures= skips=
-next=1 running=0 done=0
+running=0 done=0
+# Long tests begin first, so that none of them is left to run alone at the end.
+# shellcheck disable=SC2046  # the numbers are words
+set -- $(printf '%s\n' "$chosen" | awk -F '\t' '$4 ~ /(^| )slow( |$)/ { print NR }') \
+    $(printf '%s\n' "$chosen" | awk -F '\t' '$4 !~ /(^| )slow( |$)/ { print NR }')
 while [ "$done" -lt "$total" ]; do
-    while [ "$running" -lt "$jobs" ] && [ "$next" -le "$total" ]; do
-        launch "$next"
-        next=$((next + 1))
+    while [ "$running" -lt "$jobs" ] && [ $# -gt 0 ]; do
+        launch "$1"
+        shift
         running=$((running + 1))
     done
     read -r index how code seconds <&3

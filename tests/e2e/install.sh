@@ -1,4 +1,5 @@
 # A build outside the source tree, `make install` below DESTDIR, and `make uninstall`.
+# labels: e2e slow
 # timeout: 120
 . "$DM2_SRC/tests/lib.sh"
 
