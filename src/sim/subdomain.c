@@ -60,7 +60,7 @@ struct subdomain {
     size_t cell_cap;
     size_t n_leaving;      /* emigrants of the last sort_out, still in their slots until take_in */
     struct pair_totals totals;
-    bool measured;         /* totals, virial, links and contacts are of the present step */
+    bool measured;         /* totals, virial, surroundings, links and contacts are of the present step */
     struct subdomain_times times;
 };
 

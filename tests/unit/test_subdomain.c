@@ -183,7 +183,7 @@ static void plain_pair(struct plain *p, size_t i, size_t j, double dt_kick, doub
         plain_add(p, j, f, (double[2]){0.0, 0.0}, 0.0, 0.0, 0.0);
         return;
     }
-    struct pair_view view = {.r = r, .radius_i = a->radius, .radius_j = b->radius,
+    struct pair_view view = {.r = r, .over_r = 1.0 / r, .radius_i = a->radius, .radius_j = b->radius,
                              .vn = (a->v[0] - b->v[0]) * n[0] + (a->v[1] - b->v[1]) * n[1],
                              .vt = (a->v[1] - b->v[1]) * n[0] - (a->v[0] - b->v[0]) * n[1],
                              .w_i = a->w, .w_j = b->w, .mass_i = a->mass, .mass_j = b->mass,
