@@ -107,6 +107,8 @@ int particles_permute(struct particles *p, const uint32_t *from, size_t n)
 {
     if (particles_reserve(p, n) != 0)
         return -1;
+    if (n == 0)
+        return 0;
     char *scratch = mem_alloc(n, 3 * sizeof(double)); /* the widest of the state columns */
     if (scratch == NULL)
         return -1;
