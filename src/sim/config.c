@@ -1,5 +1,5 @@
-/* Puts an interaction together from the rules of the deck. A rule is a set of fields; the more specific one wins field
- * by field, so that `interface body { linked = no }` changes nothing else. */
+/* Puts an interaction together from the rules of the deck. A rule is a set of fields; the more specific one
+ * wins field by field, so that `interface body { linked = no }` changes nothing else. */
 #include "dm2/sim/config.h"
 
 #include <stdio.h>
@@ -73,6 +73,8 @@ void config_free(struct config *c)
     free(c->reactions);
     free(c->bodies);
     free(c->probes);
+    free(c->voids);
+    free(c->flaws);
     free(c->rules);
     free(c->output.snapshot_at);
     memset(c, 0, sizeof *c);

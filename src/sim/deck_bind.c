@@ -1,8 +1,8 @@
-/* Binding goes through the blocks three times: which kind is each and how many are there; the names of materials, so
- * that order does not matter; then all values.
+/* Binding goes through the blocks three times: which kind is each and how many are there; the names of
+ * materials, so that order does not matter; then all values.
  *
- * What is missing is reported only where nothing unknown could have been meant by it: `sise = 1 2` is one mistake,
- * not an unknown keyword and a missing one. */
+ * What is missing is reported only where nothing unknown could have been meant by it: `sise = 1 2` is one
+ * mistake, not an unknown keyword and a missing one. */
 #include "dm2/sim/deck_bind.h"
 
 #include <stddef.h>
@@ -50,6 +50,17 @@ static struct deck_place name_of(const struct deck_binding *b, size_t block, siz
     return b->tree->names[block_at(b, block)->first_name + i];
 }
 
+/* The same without quotes. */
+static struct deck_place bare_name_of(const struct deck_binding *b, size_t block, size_t i)
+{
+    struct deck_place name = name_of(b, block, i);
+    if (place_bytes(b->tree->source, name)[0] == '"') {
+        name.offset++;
+        name.length -= 2;
+    }
+    return name;
+}
+
 static void check_single(struct deck_binding *b, size_t block)
 {
     enum block_kind kind = b->kinds[block];
@@ -62,8 +73,8 @@ static void check_single(struct deck_binding *b, size_t block)
 
 static bool named(enum block_kind kind)
 {
-    return kind == BLOCK_MATERIAL || kind == BLOCK_BODY || kind == BLOCK_PROBE || kind == BLOCK_PHASE ||
-           kind == BLOCK_REACTION;
+    return kind == BLOCK_MATERIAL || kind == BLOCK_BODY || kind == BLOCK_PROBE || kind == BLOCK_VOID ||
+           kind == BLOCK_FLAW || kind == BLOCK_PHASE || kind == BLOCK_REACTION;
 }
 
 /* Is the number of names between the word and the brace right, and can they be names? */
@@ -72,23 +83,24 @@ static bool check_head(struct deck_binding *b, size_t block)
     const struct block_schema *schema = schema_block(b->kinds[block]);
     const struct deck_block *at = block_at(b, block);
     size_t extra = b->kinds[block] == BLOCK_INTERFACE ? 1 : 0, n = at->n_names;
-    bool ok = schema->single                       ? n == 0
+    bool ok = schema->single                   ? n == 0
               : b->kinds[block] == BLOCK_PHASE ? n == 2
-              : named(b->kinds[block]) ? n == 1
-                                                   : n == extra || n == extra + 2;
+              : named(b->kinds[block])         ? n == 1
+                                               : n == extra || n == extra + 2;
     struct place_text text;
     if (!ok) {
-        struct deck_place place = n == 0 ? at->word : place_span(name_of(b, block, 0), name_of(b, block, n - 1));
+        struct deck_place place =
+            n == 0 ? at->word : place_span(name_of(b, block, 0), name_of(b, block, n - 1));
         if (!at->bad)
-            findings_error(b->findings, place, "between '%s' and '{' stands %s, found %zu name%s", schema->name,
-                           schema->names, n, n == 1 ? "" : "s");
+            findings_error(b->findings, place, "between '%s' and '{' belongs %s, found %zu name%s",
+                           schema->name, schema->names, n, n == 1 ? "" : "s");
         return false;
     }
     for (size_t i = 0; i < n && named(b->kinds[block]); i++) {
         struct deck_place name = name_of(b, block, i);
         if (place_bytes(b->tree->source, name)[0] == '"' || name.length > NAME_MAX_LENGTH) {
-            findings_error(b->findings, name, "a name is letters, digits and _, at most %d, not %s", NAME_MAX_LENGTH,
-                           place_text(b->tree->source, name, &text));
+            findings_error(b->findings, name, "a name is letters, digits and _, at most %d, not %s",
+                           NAME_MAX_LENGTH, place_text(b->tree->source, name, &text));
             return false;
         }
     }
@@ -105,6 +117,10 @@ static bool find_kinds(struct deck_binding *b)
     b->rule_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
     b->phase_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
     b->reaction_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
+    b->void_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
+    b->flaw_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
+    if (b->void_block == NULL || b->flaw_block == NULL)
+        return false;
     if (b->kinds == NULL || b->material_block == NULL || b->body_block == NULL || b->probe_block == NULL ||
         b->rule_block == NULL || b->phase_block == NULL || b->reaction_block == NULL)
         return false;
@@ -120,7 +136,8 @@ static bool find_kinds(struct deck_binding *b)
         if (b->kinds[i] != BLOCK_COUNT)
             check_single(b, i);
         else if (!tree->blocks[i].bad)
-            findings_error(b->findings, word, "there is no block '%s'%s", place_text(tree->source, word, &text),
+            findings_error(b->findings, word, "there is no block '%s'%s",
+                           place_text(tree->source, word, &text),
                            words_hint(&known, bytes, word.length, &hint));
     }
     return true;
@@ -191,7 +208,8 @@ static bool name_things(struct deck_binding *b, const size_t *blocks, size_t n, 
         struct place_text kind;
         if (strcmp(sorted[i].name, sorted[i - 1].name) == 0)
             findings_error(b->findings, name_of(b, sorted[i].block, 0), "there is a %s '%s' before",
-                           place_text(b->tree->source, block_at(b, sorted[i].block)->word, &kind), sorted[i].name);
+                           place_text(b->tree->source, block_at(b, sorted[i].block)->word, &kind),
+                           sorted[i].name);
     }
     free(sorted);
     return true;
@@ -216,7 +234,8 @@ bool binding_missing(const struct deck_binding *b, size_t block, const char *key
            !unknown_key_like(b, block, schema_block(b->kinds[block]), key);
 }
 
-/* Reads all entries of a block into `base`. Gives the keywords that were given and those that are bad, as bits. */
+/* Reads all entries of a block into `base`. Gives the keywords that were given and those that are bad, as
+ * bits. */
 static void read_entries(struct deck_binding *b, size_t block, void *base, uint32_t *set, uint32_t *bad)
 {
     const struct deck_block *at = block_at(b, block);
@@ -251,9 +270,10 @@ static void check_missing_keys(struct deck_binding *b, size_t block, uint32_t se
     for (size_t i = 0; i < schema->n_keys; i++) {
         const struct deck_key *key = &schema->keys[i];
         bool replaced = b->steps_replaced && strcmp(key->name, "steps") == 0;
-        if (key->required && (set >> i & 1u) == 0 && !replaced && !unknown_key_like(b, block, schema, key->name))
-            findings_error(b->findings, block_at(b, block)->word, "the block '%s' lacks '%s': %s", schema->name,
-                           key->name, key->meaning);
+        if (key->required && (set >> i & 1u) == 0 && !replaced &&
+            !unknown_key_like(b, block, schema, key->name))
+            findings_error(b->findings, block_at(b, block)->word, "the block '%s' lacks '%s': %s",
+                           schema->name, key->name, key->meaning);
     }
 }
 
@@ -372,8 +392,8 @@ static bool bind_bodies(struct deck_binding *b)
         schema_defaults(schema_block(BLOCK_BODY), body);
         read_block(b, block, body);
         if (entry_of(b, block, "row_spacing") == NULL)
-            body->row_spacing = body->lattice == LATTICE_HEXAGONAL ? body->spacing * 0.86602540378443864676
-                                                                   : body->spacing;
+            body->row_spacing =
+                body->lattice == LATTICE_HEXAGONAL ? body->spacing * 0.86602540378443864676 : body->spacing;
         if (entry_of(b, block, "radius") == NULL)
             body->radius = body->spacing / 2;
     }
@@ -393,6 +413,37 @@ static bool bind_probes(struct deck_binding *b)
         read_block(b, b->probe_block[i], &c->probes[i]);
     }
     return n == 0 || name_things(b, b->probe_block, n, c->probes[0].name, sizeof *c->probes);
+}
+
+static bool bind_voids(struct deck_binding *b)
+{
+    struct config *c = b->config;
+    size_t n = collect(b, BLOCK_VOID, VOID_MAX, b->void_block, 0);
+    c->voids = mem_zalloc(n, sizeof *c->voids);
+    if (c->voids == NULL)
+        return false;
+    c->n_voids = n;
+    for (size_t i = 0; i < n; i++) {
+        c->voids[i].body = -1;
+        read_block(b, b->void_block[i], &c->voids[i]);
+    }
+    return n == 0 || name_things(b, b->void_block, n, c->voids[0].name, sizeof *c->voids);
+}
+
+static bool bind_flaws(struct deck_binding *b)
+{
+    struct config *c = b->config;
+    size_t n = collect(b, BLOCK_FLAW, FLAW_MAX, b->flaw_block, 0);
+    c->flaws = mem_zalloc(n, sizeof *c->flaws);
+    if (c->flaws == NULL)
+        return false;
+    c->n_flaws = n;
+    for (size_t i = 0; i < n; i++) {
+        c->flaws[i].body = -1;
+        schema_defaults(schema_block(BLOCK_FLAW), &c->flaws[i]);
+        read_block(b, b->flaw_block[i], &c->flaws[i]);
+    }
+    return n == 0 || name_things(b, b->flaw_block, n, c->flaws[0].name, sizeof *c->flaws);
 }
 
 /* --- interactions ------------------------------------------------------------------------------------- */
@@ -416,7 +467,7 @@ static bool rule_head(struct deck_binding *b, size_t block, struct interaction_r
     }
     bool ok = true;
     for (size_t i = first; i < block_at(b, block)->n_names; i++) {
-        rule->material[i - first] = binding_material(b, name_of(b, block, i));
+        rule->material[i - first] = binding_material(b, bare_name_of(b, block, i));
         ok = ok && rule->material[i - first] >= 0;
     }
     if (rule->material[0] > rule->material[1]) {
@@ -439,7 +490,8 @@ static bool bind_rules(struct deck_binding *b)
     struct config *c = b->config;
     size_t n = collect(b, BLOCK_INTERACTION, RULE_MAX, b->rule_block, 0);
     n = collect(b, BLOCK_INTERFACE, RULE_MAX, b->rule_block, n);
-    unsigned char *seen = mem_zalloc((size_t)(RELATION_COUNT + 1) * (MATERIAL_MAX + 1) * (MATERIAL_MAX + 1), 1);
+    unsigned char *seen =
+        mem_zalloc((size_t)(RELATION_COUNT + 1) * (MATERIAL_MAX + 1) * (MATERIAL_MAX + 1), 1);
     c->rules = mem_zalloc(n, sizeof *c->rules);
     bool ok = c->rules != NULL && seen != NULL;
     for (size_t i = 0; ok && i < n; i++) {
@@ -448,7 +500,8 @@ static bool bind_rules(struct deck_binding *b)
         bool head = rule_head(b, block, rule);
         read_entries(b, block, &rule->value, &rule->set, &rule->bad);
         if (head && seen[rule_key(rule)])
-            findings_error(b->findings, block_at(b, block)->word, "there is a block for the same pair before");
+            findings_error(b->findings, block_at(b, block)->word,
+                           "there is a block for the same pair before");
         if (!head)
             continue;
         seen[rule_key(rule)] = 1;
@@ -477,7 +530,8 @@ bool deck_bind(struct deck_binding *b, int64_t steps)
     schema_defaults(schema_block(BLOCK_TIME), c);
     schema_defaults(schema_block(BLOCK_OUTPUT), c);
     c->output.vtp = true;
-    bool ok = bind_materials(b) && bind_phases(b) && bind_reactions(b) && bind_rules(b) && bind_bodies(b) && bind_probes(b);
+    bool ok = bind_materials(b) && bind_phases(b) && bind_reactions(b) && bind_rules(b) && bind_bodies(b) &&
+              bind_voids(b) && bind_flaws(b) && bind_probes(b);
     bind_single(b, BLOCK_DOMAIN);
     bind_single(b, BLOCK_TIME);
     bind_single(b, BLOCK_OUTPUT);
@@ -496,6 +550,8 @@ void deck_binding_free(struct deck_binding *b)
     free(b->material_block);
     free(b->body_block);
     free(b->probe_block);
+    free(b->void_block);
+    free(b->flaw_block);
     free(b->rule_block);
     free(b->phase_block);
     free(b->reaction_block);

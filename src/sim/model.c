@@ -143,6 +143,9 @@ static void uniform_kinds(struct model *m)
                 law->cn_mass = law->cn * root;
                 law->ct_mass = law->ct * root;
                 law->bond = law_bond(law, radius[ia] * m->kinds[a].size + radius[ib] * m->kinds[b].size);
+                law->wide = law->scope == SCOPE_LINKED && law->potential == POTENTIAL_MORSE && law->a_p == 0.0 &&
+                            law->a_t == 0.0;
+                m->wide_near |= law->wide;
             }
         }
     }
@@ -219,7 +222,7 @@ static void choose_scales(struct model *m)
     heat = heat > force * r0 ? heat : force * r0;
     m->fixed = (struct fixed_scales){.far_force = fixed_scale(force, 39), .force = fixed_scale(force, 45),
                                      .torque = fixed_scale(force * r0, 45), .heat = fixed_scale(heat, 56),
-                                     .virial = fixed_scale(force * r0, 45),
+                                     .virial = fixed_scale(force * r0, 45), .around = fixed_scale(r0 * r0, 44),
                                      .energy = fixed_scale(force * r0, 50), .energy_left = 30};
     m->fixed.over_far_force = 1.0 / m->fixed.far_force;
     m->fixed.over_force = 1.0 / m->fixed.force;

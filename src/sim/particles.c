@@ -21,9 +21,10 @@ static const struct column columns[] = {
     COLUMN(probes, 1), COLUMN(strain, 3), COLUMN(bonds, 1),
     COLUMN(share, 2),  COLUMN(moved, 1), COLUMN(was, 1),
     /* what only one force evaluation needs */
-    COLUMN(far_sum, 2), COLUMN(pair_sum, SUM_COUNT), COLUMN(virial, 3), COLUMN(links, 1), COLUMN(contacts, 1),
+    COLUMN(far_sum, 2), COLUMN(pair_sum, SUM_COUNT), COLUMN(virial, 3), COLUMN(around, AROUND_COUNT),
+    COLUMN(links, 1), COLUMN(contacts, 1),
 };
-enum { COLUMNS = sizeof columns / sizeof columns[0], STATE_COLUMNS = COLUMNS - 5 };
+enum { COLUMNS = sizeof columns / sizeof columns[0], STATE_COLUMNS = COLUMNS - 6 };
 
 static void **column_of(struct particles *p, size_t c)
 {
@@ -109,10 +110,10 @@ void particles_put(struct particles *p, const struct model *m, size_t i, const s
 
 int particles_permute(struct particles *p, const uint32_t *from, size_t n)
 {
-    if (n == 0)
-        return 0; /* a rank without an element may have no array yet */
     if (particles_reserve(p, n) != 0)
         return -1;
+    if (n == 0)
+        return 0;
     char *scratch = mem_alloc(n, 3 * sizeof(double)); /* the widest of the state columns */
     if (scratch == NULL)
         return -1;

@@ -63,7 +63,7 @@ struct subdomain {
     size_t n_leaving;      /* emigrants of the last sort_out, still in their slots until take_in */
     struct pair_totals totals;
     struct reaction_sums reacted; /* of the last evaluation */
-    bool measured;         /* totals, virial, links and contacts are of the present step */
+    bool measured;         /* totals, virial, surroundings, links and contacts are of the present step */
     struct subdomain_times times;
 };
 

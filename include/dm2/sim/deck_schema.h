@@ -18,6 +18,8 @@ enum block_kind {
     BLOCK_INTERACTION,
     BLOCK_INTERFACE, /* has the keywords of interaction */
     BLOCK_BODY,
+    BLOCK_VOID,
+    BLOCK_FLAW,
     BLOCK_PROBE,
     BLOCK_OUTPUT,
     BLOCK_COUNT
@@ -32,6 +34,7 @@ enum value_type {
     VALUE_MATERIAL, /* the name of a material */
     VALUE_MATERIALS, /* `count` names of materials, stored as ints: their indices */
     VALUE_NAME,     /* one word, stored as a name_text */
+    VALUE_BODY,     /* the name of a body */
     VALUE_MIX,      /* names of materials, each with a fraction */
     VALUE_STEPS,    /* a list of steps */
     VALUE_FORMATS   /* a list of vtp, xyz */
@@ -40,22 +43,22 @@ enum value_type {
 struct deck_key {
     const char *name;
     enum value_type type;
-    int count;               /* values of VALUE_REAL and VALUE_FLAG */
+    int count; /* values of VALUE_REAL and VALUE_FLAG */
     struct dimension dim;
-    double low, high;        /* limits of each value; infinite where there are none */
+    double low, high;         /* limits of each value; infinite where there are none */
     bool low_open, high_open; /* the limit itself is outside */
     bool required;
-    const char *choices;     /* "a|b|c" */
-    const char *initial;     /* the default as docs/deck.md says it: a value, or words where it is worked out or
-                              * absent; NULL: required */
-    size_t offset;           /* in the struct that the block fills; not for VALUE_SHAPE and below */
+    const char *choices; /* "a|b|c" */
+    const char *initial; /* the default as docs/deck.md says it: a value, or words where it is worked out or
+                          * absent; NULL: required */
+    size_t offset;       /* in the struct that the block fills; not for VALUE_SHAPE and below */
     const char *meaning;
 };
 
 struct block_schema {
     const char *name;
-    const char *names;  /* what stands between the word and the brace, for messages: "a name" */
-    bool single;        /* at most once in a deck */
+    const char *names; /* what stands between the word and the brace, for messages: "a name" */
+    bool single;       /* at most once in a deck */
     bool required;
     const struct deck_key *keys;
     size_t n_keys;
@@ -78,8 +81,8 @@ int schema_find_choice(const char *choices, const char *word, size_t length);
 /* Bytes that a stored value takes. */
 size_t schema_size(const struct deck_key *key);
 
-/* Fills in what the table says as defaults; NaN for a VALUE_REAL whose default is none or worked out, -1 for such
- * a VALUE_WHOLE. `base` is the struct that the block fills. */
+/* Fills in what the table says as defaults; NaN for a VALUE_REAL whose default is none or worked out, -1 for
+ * such a VALUE_WHOLE. `base` is the struct that the block fills. */
 void schema_defaults(const struct block_schema *block, void *base);
 
 /* For suggestions. */

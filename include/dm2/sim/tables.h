@@ -28,7 +28,7 @@ struct kind {
 /* Fixed-point scales: a double times the scale, rounded, is what the 64-bit sums add. Powers of two. */
 struct fixed_scales {
     double over_far_force, over_force, over_torque, over_heat; /* reciprocals, exact */
-    double far_force, force, torque, heat, virial, energy;
+    double far_force, force, torque, heat, virial, around, energy;
     int energy_left; /* measure_scales.energy = log2(energy) + energy_left */
 };
 
@@ -63,6 +63,7 @@ struct model {
     double growth;         /* largest over smallest size of a kind; 1 without phases */
     bool uniform_far;      /* one kind, one far law */
     bool wide_far;         /* and that law is a plain Lennard-Jones potential: rows of the far list are padded to fours */
+    bool wide_near;        /* the commonest laws allow near pairs to be taken four at a time */
     double far_cutoff;     /* largest cutoff of scope all, cm; 0 without */
     double radius_max;     /* largest radius of an element, cm */
     double link_form_max;
