@@ -180,6 +180,8 @@ static const struct deck_key output_keys[] = {
      .meaning = "further steps to take a snapshot at, in any order"},
     {"format", VALUE_FORMATS, 1, PLAIN, ANY, .choices = "vtp|xyz", .initial = "vtp", FIELD(vtp),
      .meaning = "of snapshots: `vtp` (ParaView), `xyz` (OVITO), or both"},
+    {"strain", VALUE_FLAG, 1, PLAIN, ANY, .choices = "no|yes", .initial = "no", FIELD(strain),
+     .meaning = "is the strain of the elements measured, for snapshots; it costs some time at every step"},
 };
 #undef FIELD
 

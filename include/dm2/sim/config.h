@@ -104,6 +104,7 @@ struct output_config {
     size_t n_snapshot_at;
     int64_t *snapshot_at;   /* further steps, ascending, without repeats */
     bool vtp, xyz;          /* formats; default vtp */
+    bool strain;            /* measure the strain of elements; default no */
 };
 
 struct config {

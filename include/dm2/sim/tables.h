@@ -36,6 +36,7 @@ struct model {
     bool has_damping;      /* some law damps: velocities of mirrored elements matter */
     bool has_heat;         /* temperature changes something: softening, conduction, damping's a_t */
     bool has_pressure;     /* some damping depends on pressure */
+    bool has_strain;       /* the deck asks for strain: velocities of mirrored elements matter */
     bool uniform_far;      /* one kind, one far law: the fast path */
     double far_cutoff;     /* largest cutoff of scope all, cm; 0 without */
     double radius_max;     /* largest radius of an element, cm */
