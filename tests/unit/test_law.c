@@ -1,0 +1,208 @@
+/* The pair law: potentials against their closed forms and against the slope of their energies, yield lengths against
+ * the force there, and the promise that exchanging the two elements changes signs alone, to the last bit. */
+#include "check.h"
+
+#include "dm2/sim/law.h"
+
+static const double r0 = 0.04;
+
+static struct pair_law law_of(enum potential_kind potential)
+{
+    return (struct pair_law){.potential = potential, .scope = SCOPE_LINKED, .near = true, .tangential = true, .k = 1.4,
+                             .shape = 2.9, .kt_link = 0.5, .kt_contact = 0.5, .mu = 0.3, .link_break = 1.3,
+                             .link_form = 0.9, .yield_i = INFINITY, .yield_j = INFINITY, .tensile_i = INFINITY,
+                             .tensile_j = INFINITY, .cn = 0.4, .ct = 0.1, .cn_mass = -1.0, .ct_mass = -1.0};
+}
+
+static const enum potential_kind kinds[] = {POTENTIAL_QUADRATIC, POTENTIAL_MORSE, POTENTIAL_LENNARD_JONES};
+
+static double closed_force(const struct pair_law *law, double x)
+{
+    double alpha = law->shape / r0, depth = law->k / (2.0 * alpha * alpha), e = exp(-alpha * (x - r0));
+    if (law->potential == POTENTIAL_QUADRATIC)
+        return -law->k * (x - r0);
+    if (law->potential == POTENTIAL_MORSE)
+        return 2.0 * depth * alpha * (e * e - e);
+    double eps = law->k * r0 * r0 / 72.0;
+    return 12.0 * eps / x * (pow(r0 / x, 12.0) - pow(r0 / x, 6.0));
+}
+
+TEST(potentials_have_their_closed_forms)
+{
+    for (int p = 0; p < 3; p++) {
+        struct pair_law law = law_of(kinds[p]);
+        double u, scale = law.k * r0;
+        for (double q = 0.7; q < 2.0; q += 0.0137)
+            CHECK_NEAR(potential_force(&law, q * r0, r0, &u), closed_force(&law, q * r0),
+                       1e-13 * (scale + fabs(closed_force(&law, q * r0))));
+        CHECK_NEAR(potential_force(&law, r0, r0, &u), 0.0, 1e-15 * scale);
+        CHECK_NEAR(u, 0.0, 1e-15 * scale * r0);
+    }
+}
+
+TEST(force_is_the_slope_of_the_energy)
+{
+    for (int p = 0; p < 3; p++) {
+        struct pair_law law = law_of(kinds[p]);
+        double u[2], h = 1e-6 * r0;
+        for (double q = 0.75; q < 1.8; q += 0.031) {
+            double f = potential_force(&law, q * r0, r0, &u[0]);
+            (void)potential_force(&law, q * r0 + h, r0, &u[1]);
+            (void)potential_force(&law, q * r0 - h, r0, &u[0]);
+            CHECK_NEAR(-(u[1] - u[0]) / (2.0 * h), f, 1e-8 * (law.k * r0 + fabs(f)));
+        }
+    }
+}
+
+/* Stiffness k at r0, whatever the potential. */
+TEST(stiffness_at_contact)
+{
+    for (int p = 0; p < 3; p++) {
+        struct pair_law law = law_of(kinds[p]);
+        double u, h = 1e-6 * r0;
+        double slope = (potential_force(&law, r0 + h, r0, &u) - potential_force(&law, r0 - h, r0, &u)) / (2.0 * h);
+        CHECK_NEAR_REL(-slope, law.k, 1e-8);
+    }
+}
+
+TEST(yield_lengths_carry_the_cap)
+{
+    for (int p = 0; p < 3; p++) {
+        struct pair_law law = law_of(kinds[p]);
+        double u, cap = 0.02 * law.k * r0;
+        CHECK_NEAR_REL(potential_force(&law, law_yield_length(&law, r0, cap, true), r0, &u), -cap, 1e-12);
+        CHECK_NEAR_REL(potential_force(&law, law_yield_length(&law, r0, cap, false), r0, &u), cap, 1e-12);
+    }
+    /* Attractions that are never reached. */
+    struct pair_law morse = law_of(POTENTIAL_MORSE), lj = law_of(POTENTIAL_LENNARD_JONES);
+    CHECK(isinf(law_yield_length(&morse, r0, 0.26 * morse.k * r0 / morse.shape, true)));
+    CHECK(isinf(law_yield_length(&lj, r0, 0.05 * lj.k * r0, true)));
+}
+
+static double uniform(void)
+{
+    static uint64_t state = 1;
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    return (double)(state >> 11) * 0x1p-53;
+}
+
+static struct pair_law swap_law(struct pair_law law)
+{
+    double y = law.yield_i, t = law.tensile_i;
+    law.yield_i = law.yield_j;
+    law.yield_j = y;
+    law.tensile_i = law.tensile_j;
+    law.tensile_j = t;
+    return law;
+}
+
+#define SWAP(field)                                                                                                    \
+    do {                                                                                                               \
+        double swap_kept = v.field##_i;                                                                                \
+        v.field##_i = v.field##_j;                                                                                     \
+        v.field##_j = swap_kept;                                                                                       \
+    } while (0)
+
+/* The pair as seen from the other element: n and t turn round with the relative velocity, so vn and vt stay. */
+static struct pair_view swap_view(struct pair_view v)
+{
+    SWAP(radius);
+    SWAP(w);
+    SWAP(mass);
+    SWAP(soft);
+    SWAP(t);
+    SWAP(p);
+    return v;
+}
+
+TEST(exchange_changes_signs_alone)
+{
+    int yielded = 0, slid = 0, broken = 0, formed = 0;
+    for (int k = 0; k < 30000; k++) {
+        struct pair_law law = law_of(kinds[k % 3]);
+        law.tensile_i = 0.02 + 0.02 * uniform();
+        law.tensile_j = 0.02 + 0.02 * uniform();
+        law.yield_i = 0.02 * uniform();
+        law.yield_j = 0.02 * uniform();
+        law.a_p = uniform();
+        law.a_t = 0.001 * uniform();
+        law.t0_mean = 300.0;
+        law.conduction = 0.1;
+        double ri = 0.015 + 0.01 * uniform(), rj = 0.015 + 0.01 * uniform();
+        struct pair_view view = {.r = (ri + rj) * (0.85 + 0.5 * uniform()), .radius_i = ri, .radius_j = rj,
+                                 .vn = 0.1 * (uniform() - 0.5), .vt = 0.1 * (uniform() - 0.5), .w_i = uniform() - 0.5,
+                                 .w_j = uniform() - 0.5, .mass_i = 0.01 * (1.0 + uniform()),
+                                 .mass_j = 0.01 * (1.0 + uniform()), .soft_i = uniform(), .soft_j = uniform(),
+                                 .t_i = 300.0 + 500.0 * uniform(), .t_j = 300.0 + 500.0 * uniform(), .p_i = uniform(),
+                                 .p_j = uniform()};
+        struct pair_state s = {.linked = uniform() < 0.6, .stretch = 0.0, .spring = 0.004 * (uniform() - 0.5)}, start;
+        if (s.linked && uniform() < 0.5)
+            s.stretch = 0.1 * r0 * uniform();
+        start = s;
+        struct pair_state t = s;
+        struct pair_effect one, two;
+        pair_interact(&law, &view, 0.025, 0.025, &s, &one);
+        struct pair_law other = swap_law(law);
+        struct pair_view back = swap_view(view);
+        pair_interact(&other, &back, 0.025, 0.025, &t, &two);
+        CHECK(s.linked == t.linked);
+        CHECK_SAME_BITS(s.stretch, t.stretch);
+        CHECK_SAME_BITS(s.spring, t.spring);
+        CHECK_SAME_BITS(one.fn, two.fn);
+        CHECK_SAME_BITS(one.ft, two.ft);
+        CHECK_SAME_BITS(one.fdn, two.fdn);
+        CHECK_SAME_BITS(one.fdt, two.fdt);
+        CHECK_SAME_BITS(one.arm_i, two.arm_j);
+        CHECK_SAME_BITS(one.arm_j, two.arm_i);
+        CHECK_SAME_BITS(one.heat, two.heat);
+        CHECK_SAME_BITS(one.heat_damped, two.heat_damped);
+        CHECK_SAME_BITS(one.exchange + 0.0, -two.exchange + 0.0);
+        CHECK_SAME_BITS(one.potential, two.potential);
+        CHECK_SAME_BITS(one.elastic, two.elastic);
+        yielded += s.linked && s.stretch != start.stretch;
+        slid += one.heat > 0.0 && s.stretch == start.stretch && s.linked == start.linked;
+        broken += start.linked && !s.linked;
+        formed += !start.linked && s.linked;
+        if (!s.linked)
+            CHECK(one.fn >= 0.0); /* an unlinked contact never pulls */
+        CHECK(one.heat_damped >= 0.0);
+        CHECK(one.heat >= 0.0 || start.spring * s.spring <= 0.0); /* or a spring beyond its cap swung round */
+    }
+    CHECK(yielded > 1000 && slid > 1000 && broken > 300 && formed > 300);
+}
+
+/* A bond drawn out beyond its strength holds the cap, keeps the stretch when it is let go, and the work done on it is
+ * what it stores and what it frees as heat. */
+TEST(tension_yield_is_a_return_map)
+{
+    for (int p = 0; p < 3; p++) {
+        struct pair_law law = law_of(kinds[p]);
+        law.tensile_i = 0.03;
+        law.tensile_j = 0.05;
+        law.cn = law.ct = law.kt_link = law.kt_contact = 0.0;
+        double cap = 0.03 * 0.8 * r0 / sqrt(3.0), work = 0.0, heat = 0.0, before = 0.0;
+        struct pair_state s = {.linked = true};
+        struct pair_effect e = {0};
+        int steps = 40000;
+        for (int k = 0; k <= 2 * steps; k++) { /* out by 10 %, and in by 3 % */
+            double x = k <= steps ? (double)k / steps : 2.3 - 1.3 * (double)k / steps;
+            struct pair_view v = {.r = r0 * (1.0 + 0.1 * x), .radius_i = 0.5 * r0, .radius_j = 0.5 * r0, .mass_i = 1.0,
+                                  .mass_j = 1.0, .soft_i = 0.8, .soft_j = 0.9};
+            pair_interact(&law, &v, 1.0, 1.0, &s, &e);
+            if (k > 0)
+                work -= 0.5 * (before + e.fn) * (k <= steps ? 0.1 * r0 / steps : -0.13 * r0 / steps);
+            before = e.fn;
+            heat += e.heat;
+            CHECK(e.fn >= -cap * (1.0 + 1e-12));
+            if (k == steps) {
+                CHECK_NEAR_REL(e.fn, -cap, 1e-12);
+                CHECK_NEAR(s.stretch, 1.1 * r0 - law_yield_length(&law, r0, cap, true), 1e-15);
+            }
+        }
+        CHECK_SAME_BITS(s.stretch, 0.0); /* the void is closed again: no stretched link pushes */
+        CHECK_NEAR_REL(work, heat + e.potential, 1e-3);
+    }
+}
+
+TEST_MAIN(CASE(potentials_have_their_closed_forms), CASE(force_is_the_slope_of_the_energy), CASE(stiffness_at_contact),
+          CASE(yield_lengths_carry_the_cap), CASE(exchange_changes_signs_alone), CASE(tension_yield_is_a_return_map))
