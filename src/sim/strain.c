@@ -19,8 +19,9 @@ enum strain_sum { RXX, RYY, RXY, UXX, UXY, UYX, UYY }; /* UXY: du_x r_y */
 static const double quantum_bits = 0x1p48;
 static const double range = 0x1p57; /* of one pair's part: 64 pairs may meet in one element */
 
-/* Neighbours whose second moments have det <= 2^-20 (trace)^2 lie on one line. */
-static const double on_one_line = 0x1p-20;
+/* Neighbours whose second moments have det <= 2^-6 (trace)^2 lie on one line, within some 14 degrees: what they say
+ * of the motion across it is noise. */
+static const double on_one_line = 0x1p-6;
 
 void strain_free(struct strain_sums *s)
 {
