@@ -225,6 +225,12 @@ static void choose_scales(struct model *m)
     m->scales.length = 118 - e;
     (void)frexp(speed * (double)m->n_elements, &e);
     m->scales.velocity = 118 - e;
+    (void)frexp(mass_total, &e);
+    m->scales.mass = 118 - e;
+    (void)frexp(r0 * r0 * (double)m->n_elements, &e);
+    m->scales.volume = 118 - e;
+    (void)frexp(1e12 * (double)m->n_elements, &e); /* no element is hotter than 1e12 K */
+    m->scales.temperature = 118 - e;
 }
 
 /* omega^2 dt^2 + 2 gamma dt < 4 for the stiffest mode that an element of mass m can have among neighbours of one law:

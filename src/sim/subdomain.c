@@ -615,6 +615,12 @@ enum dm2_status subdomain_measure_last(struct subdomain *sd, struct measures *ou
     return integrate(sd, false, NULL, out, err);
 }
 
+enum dm2_status subdomain_profile(const struct subdomain *sd, size_t which, struct profile_bin *bins,
+                                  struct dm2_error *err)
+{
+    return profile_add(sd->model, &sd->p, &sd->model->config->profiles[which], sd->step, bins, err);
+}
+
 /* --- update ---------------------------------------------------------------------------------------------------- */
 
 /* Velocities of mirrored elements matter where pairs damp and where strain is measured. */

@@ -17,6 +17,7 @@ enum block_kind {
     BLOCK_INTERFACE, /* has the keywords of interaction */
     BLOCK_BODY,
     BLOCK_PROBE,
+    BLOCK_PROFILE,
     BLOCK_OUTPUT,
     BLOCK_COUNT
 };
