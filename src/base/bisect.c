@@ -2,12 +2,13 @@
  *
  * split() holds a rectangle and the parts first .. first+n-1 that share it, n at most its number of cells.
  * It picks the direction whose cut is shorter, the share of parts (half and half where that can be), and the
- * column or row where the two sides come closest to the shares; then each side does the same. Both sides always
- * keep at least one cell per part, so the recursion cannot run dry: where no cut leaves room for the halves
- * (9 parts on 3 x 3 cells), unequal shares are tried, nearest first; a cut after the first column always
- * exists.
+ * column or row where the two sides come closest to the shares; then each side does the same. Both sides
+ * always keep at least one cell per part, so the recursion cannot run dry: where no cut leaves room for the
+ * halves (9 parts on 3 x 3 cells), unequal shares are tried, nearest first; a cut after the first column
+ * always exists.
  *
- * Without weights the best cut is computed instead of searched for, so that grids of any size cost the same. */
+ * Without weights the best cut is computed instead of searched for, so that grids of any size cost the same.
+ */
 #include "dm2/base/bisect.h"
 
 #include <math.h>
@@ -123,7 +124,8 @@ enum dm2_status bisect_check(int cx, int cy, int parts, struct dm2_error *err)
     return DM2_OK;
 }
 
-void bisect_grid(int cx, int cy, double lx, double ly, int parts, const uint32_t *weights, struct cell_rect *out)
+void bisect_grid(int cx, int cy, double lx, double ly, int parts, const uint32_t *weights,
+                 struct cell_rect *out)
 {
     const struct bisection b = {.cx = cx, .lx = lx, .ly = ly, .weights = weights, .out = out};
     split(&b, (struct cell_rect){.x0 = 0, .y0 = 0, .x1 = cx, .y1 = cy}, 0, parts);

@@ -55,6 +55,20 @@ static void check_mix(const struct deck_binding *b, size_t i)
                        number_text(sum, &sum_text));
 }
 
+/* A fixed body has no velocity, one of prescribed motion no random one. */
+static void check_motion(const struct deck_binding *b, size_t i)
+{
+    const struct body_config *body = &b->config->bodies[i];
+    size_t block = b->body_block[i];
+    if (body->motion == MOTION_FIXED && (body->velocity[0] != 0 || body->velocity[1] != 0) &&
+        binding_given(b, block, "velocity"))
+        findings_error(b->findings, binding_place(b, block, "velocity", 0),
+                       "the body '%s' is fixed: it has no velocity; 'motion = driven' keeps one", body->name);
+    if (body->motion != MOTION_FREE && body->jitter > 0)
+        findings_error(b->findings, binding_place(b, block, "jitter", 0),
+                       "the motion of the body '%s' is prescribed: it has no random velocities", body->name);
+}
+
 static void check_in_domain(const struct deck_binding *b, size_t i)
 {
     const struct config *c = b->config;
@@ -152,6 +166,7 @@ bool check_bodies(const struct deck_binding *b)
     for (size_t i = 0; i < b->config->n_bodies; i++) {
         const struct body_config *body = &b->config->bodies[i];
         check_mix(b, i);
+        check_motion(b, i);
         if (!body_shape_known(b, i) || !check_shape(b, i))
             continue;
         check_in_domain(b, i);

@@ -122,7 +122,7 @@ static void make_element(const struct model *model, size_t body, uint32_t id, co
     int material = choose_material(b, id);
     const struct kind *kind = &model->kinds[material];
     *e = (struct element){.id = id, .grain = (uint32_t)body, .body = (uint16_t)body, .kind = (uint16_t)material,
-                          .radius = b->radius};
+                          .flags = b->motion == MOTION_FREE ? 0 : ELEMENT_FIXED_MOTION, .radius = b->radius};
     e->mass = model_element_mass(&c->materials[material], b->radius);
     for (int a = 0; a < 2; a++) {
         e->r[a] = r[a];

@@ -1,20 +1,26 @@
 /* The inverse of the potentials, needed only where a bond yields. */
 #include "dm2/sim/law.h"
 
+static double force_at(const struct pair_law *law, double x, double r0)
+{
+    double energy;
+    return potential_force(law, x, r0, &energy);
+}
+
 /* Lennard-Jones: |f(x)| = cap on the rising branch of the attraction (r0, peak), or x < r0 for the repulsion. Both
  * branches are monotonic, so bisection ends at neighbouring doubles: at most some 60 steps, the same everywhere. */
 static double lennard_jones_length(const struct pair_law *law, double r0, double cap, bool tension)
 {
     double near = r0, far = tension ? r0 * 0x1.1bd2ad2dcb0c6p0 : 0.25 * r0;
-    if (tension && -lennard_jones_force(law, far, r0) <= cap)
+    if (tension && -force_at(law, far, r0) <= cap)
         return INFINITY;
-    if (!tension && lennard_jones_force(law, far, r0) <= cap)
+    if (!tension && force_at(law, far, r0) <= cap)
         return 0.0;
     for (;;) {
         double mid = 0.5 * (near + far);
         if (mid == near || mid == far)
             return mid;
-        if (fabs(lennard_jones_force(law, mid, r0)) < cap)
+        if (fabs(force_at(law, mid, r0)) < cap)
             near = mid;
         else
             far = mid;

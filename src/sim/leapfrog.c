@@ -29,24 +29,29 @@ struct kick {
     double force[2];    /* total pair force, Mbar cm2 */
 };
 
-static inline struct kick kick_of(const struct model *m, const struct particles *p, size_t i, double dt)
+/* `near`: there are near pairs in this deck; without, their sums are not even zeroed. */
+static inline struct kick kick_of(const struct model *m, const struct particles *p, size_t i, double dt, bool near)
 {
     const int64_t *s = p->pair_sum + SUM_COUNT * i, *far = p->far_sum + 2 * i;
     const struct fixed_scales *x = &m->fixed;
-    double mass = p->mass[i], damp[2];
-    struct kick k;
+    double over_mass = 1.0 / p->mass[i];
+    struct kick k = {.dw = 0.0};
     for (int a = 0; a < 2; a++) {
-        k.force[a] = (double)far[a] / x->far_force + (double)s[SUM_FX + a] / x->force;
-        damp[a] = (double)s[SUM_DX + a] / x->force;
-        k.dv[a] = (k.force[a] / mass + m->config->gravity[a]) * dt;
+        k.force[a] = (double)far[a] * x->over_far_force;
+        if (near)
+            k.force[a] += (double)s[SUM_FX + a] * x->over_force;
+        k.dv[a] = (k.force[a] * over_mass + m->config->gravity[a]) * dt;
     }
-    double inertia = 0.5 * mass * (p->radius[i] * p->radius[i]);
-    k.dw = m->has_spin ? (double)s[SUM_TORQUE] / x->torque / inertia * dt : 0.0;
+    if (near && m->has_spin) /* the inertia of a disc is m R^2/2 */
+        k.dw = (double)s[SUM_TORQUE] * x->over_torque * (2.0 * over_mass / (p->radius[i] * p->radius[i])) * dt;
     if (p->flags[i] & ELEMENT_FIXED_MOTION)
         k.dv[0] = k.dv[1] = k.dw = 0.0;
-    k.heat_now = (double)s[SUM_HEAT] / x->heat;
-    k.heat_damped = (double)s[SUM_DHEAT] / x->heat -
-                    0.5 * dt * (damp[0] * k.dv[0] + damp[1] * k.dv[1] + (double)s[SUM_DTORQUE] / x->torque * k.dw);
+    if (near) {
+        double lost = (double)s[SUM_DX] * x->over_force * k.dv[0] + (double)s[SUM_DY] * x->over_force * k.dv[1] +
+                      (double)s[SUM_DTORQUE] * x->over_torque * k.dw;
+        k.heat_now = (double)s[SUM_HEAT] * x->over_heat;
+        k.heat_damped = (double)s[SUM_DHEAT] * x->over_heat - 0.5 * dt * lost;
+    }
     return k;
 }
 
@@ -54,7 +59,7 @@ void leapfrog_whole_velocity(const struct model *m, const struct particles *p, s
                              double *w)
 {
     double share = step == 0 ? 0.0 : 0.5; /* step 0 starts at the whole step */
-    struct kick k = kick_of(m, p, i, leapfrog_kick_time(m, step));
+    struct kick k = kick_of(m, p, i, leapfrog_kick_time(m, step), m->has_near);
     for (size_t a = 0; a < 2; a++)
         v[a] = p->v[2 * i + a] + share * k.dv[a];
     *w = p->w[i] + share * k.dw;
@@ -76,6 +81,13 @@ void leapfrog_set_pressure(const struct model *m, struct particles *p)
     }
 }
 
+/* Power of what keeps a driven element at its velocity against the forces on it. Its work up to a whole step counts half
+ * of the power there and half of the power at the start: the trapezoidal rule, as accurate as the leapfrog itself. */
+static double drive_power(const struct particles *p, size_t i, const struct kick *k)
+{
+    return -(k->force[0] * p->v[2 * i] + k->force[1] * p->v[2 * i + 1]);
+}
+
 /* Adds slot i's part of the measures of this step. False where a value is out of the sums' range. */
 static bool measure_element(const struct model *m, const struct particles *p, size_t i, int64_t step, const struct kick *k,
                             struct measures *out)
@@ -84,10 +96,12 @@ static bool measure_element(const struct model *m, const struct particles *p, si
     double share = step == 0 ? 0.0 : 0.5, mass = p->mass[i], stress[3];
     double v[2] = {p->v[2 * i] + share * k->dv[0], p->v[2 * i + 1] + share * k->dv[1]}, w = p->w[i] + share * k->dw;
     double spin = 0.5 * mass * (p->radius[i] * p->radius[i]) * w;
-    double x = p->r[2 * i], y = p->r[2 * i + 1];
+    double x = p->r[2 * i], y = p->r[2 * i + 1], work = p->work[i];
+    if (p->flags[i] & ELEMENT_FIXED_MOTION)
+        work += share * leapfrog_kick_time(m, step) * drive_power(p, i, k);
     bool fits = exact_add(&out->kinetic, 0.5 * mass * (v[0] * v[0] + v[1] * v[1]) + 0.5 * spin * w, s->energy);
     fits &= exact_add(&out->thermal, p->heat[i] + k->heat_now + share * k->heat_damped, s->energy);
-    fits &= exact_add(&out->work, p->work[i], s->energy);
+    fits &= exact_add(&out->work, work, s->energy);
     fits &= exact_add(&out->momentum[0], mass * v[0], s->momentum);
     fits &= exact_add(&out->momentum[1], mass * v[1], s->momentum);
     fits &= exact_add(&out->angular, mass * (x * v[1] - y * v[0]) + spin, s->momentum);
@@ -118,43 +132,64 @@ static enum dm2_status out_of_range(const struct particles *p, size_t i, int64_t
                     (long long)step, p->id[i], p->r[2 * i], p->r[2 * i + 1], what, p->v[2 * i], p->v[2 * i + 1]);
 }
 
-enum dm2_status leapfrog_move(const struct model *m, struct particles *p, int64_t step, bool drift, double *dmax,
-                              struct measures *out, struct dm2_error *err)
+/* Everything that one step does to the owned elements, compiled for decks with near pairs and without. Returns the
+ * largest squared speed; *bad is the first slot that is too fast or not finite, n_own where all is well. */
+static inline double drift_all(const struct model *m, struct particles *p, double dt_kick, double limit2, bool near,
+                               size_t *bad)
 {
     const struct config *c = m->config;
-    double dt = c->dt, dt_kick = leapfrog_kick_time(m, step), fastest2 = 0.0;
-    double edge = m->grid.lx < m->grid.ly ? m->grid.lx : m->grid.ly, limit2 = (edge / dt) * (edge / dt);
+    const bool pulled = c->gravity[0] != 0.0 || c->gravity[1] != 0.0;
+    const bool periodic = m->grid.periodic[0] || m->grid.periodic[1];
+    double dt = c->dt, fastest2 = 0.0;
+    *bad = p->n_own;
     for (size_t i = 0; i < p->n_own; i++) {
-        struct kick k = kick_of(m, p, i, dt_kick);
-        if (out != NULL && !measure_element(m, p, i, step, &k, out))
-            return out_of_range(p, i, step, "left the range that sums can hold", err);
-        if (!drift)
-            continue;
-        double *v = p->v + 2 * i, *r = p->r + 2 * i, speed2 = 0.0;
-        for (int a = 0; a < 2; a++) {
-            v[a] += k.dv[a];
-            speed2 += v[a] * v[a];
+        struct kick k = kick_of(m, p, i, dt_kick, near);
+        double v[2] = {p->v[2 * i] + k.dv[0], p->v[2 * i + 1] + k.dv[1]}, r[2] = {p->r[2 * i], p->r[2 * i + 1]};
+        double speed2 = v[0] * v[0] + v[1] * v[1];
+        if (!(speed2 < limit2)) {
+            *bad = i;
+            return speed2;
         }
-        if (!(speed2 < limit2))
-            return out_of_range(p, i, step, "would move further than a cell edge in one step", err);
-        p->w[i] += k.dw;
-        if (p->flags[i] & ELEMENT_FIXED_MOTION)
-            p->work[i] -= (k.force[0] * v[0] + k.force[1] * v[1]) * dt;
-        else
-            p->work[i] += p->mass[i] * (c->gravity[0] * v[0] + c->gravity[1] * v[1]) * dt;
-        for (int a = 0; a < 2; a++) {
+        for (size_t a = 0; a < 2; a++) {
             r[a] += v[a] * dt;
-            if (m->grid.periodic[a]) {
+            if (periodic && m->grid.periodic[a]) {
                 double low = m->grid.origin[a], size = m->grid.size[a];
                 r[a] = r[a] >= low + size ? r[a] - size : r[a] < low ? r[a] + size : r[a];
             }
+            p->v[2 * i + a] = v[a];
+            p->r[2 * i + a] = r[a];
         }
-        p->heat[i] += k.heat_now + k.heat_damped;
-        if (m->has_near)
+        if (p->flags[i] & ELEMENT_FIXED_MOTION)
+            p->work[i] += drive_power(p, i, &k) * dt_kick;
+        else if (pulled)
+            p->work[i] += p->mass[i] * (c->gravity[0] * v[0] + c->gravity[1] * v[1]) * dt;
+        if (near) {
+            p->w[i] += k.dw;
+            p->heat[i] += k.heat_now + k.heat_damped;
             particles_warm(p, m, i);
+        }
         fastest2 = speed2 > fastest2 ? speed2 : fastest2;
     }
-    if (dmax != NULL)
-        *dmax = drift ? sqrt(fastest2) * dt : 0.0;
+    return fastest2;
+}
+
+enum dm2_status leapfrog_move(const struct model *m, struct particles *p, int64_t step, bool drift, double *dmax,
+                              struct measures *out, struct dm2_error *err)
+{
+    double dt = m->config->dt, dt_kick = leapfrog_kick_time(m, step);
+    double edge = m->grid.lx < m->grid.ly ? m->grid.lx : m->grid.ly, limit2 = (edge / dt) * (edge / dt);
+    for (size_t i = 0; out != NULL && i < p->n_own; i++) {
+        struct kick k = kick_of(m, p, i, dt_kick, m->has_near);
+        if (!measure_element(m, p, i, step, &k, out))
+            return out_of_range(p, i, step, "left the range that sums can hold", err);
+    }
+    if (!drift)
+        return DM2_OK;
+    size_t bad;
+    double fastest2 = m->has_near ? drift_all(m, p, dt_kick, limit2, true, &bad)
+                                  : drift_all(m, p, dt_kick, limit2, false, &bad);
+    if (bad < p->n_own)
+        return out_of_range(p, bad, step, "would move further than a cell edge in one step", err);
+    *dmax = sqrt(fastest2) * dt;
     return DM2_OK;
 }

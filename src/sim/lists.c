@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "dm2/base/mem.h"
+#include "dm2/base/simd.h"
 
 /* A link starts where lattice neighbours touch, give or take rounding of the deck's spacings. */
 static const double initial_reach = 1.02;
@@ -97,7 +98,7 @@ static void consider_near(struct builder *b, uint32_t i, uint32_t j, double r2)
 /* Room for one more row that may meet `candidates` elements. */
 static int reserve_row(struct builder *b, size_t candidates)
 {
-    if (b->m->has_far && far_reserve(&b->lists->far, b->far_count, candidates) != 0)
+    if (b->m->has_far && far_reserve(&b->lists->far, b->far_count, candidates + SIMD_LANES) != 0)
         return -1;
     if (b->m->has_near && near_reserve(b->lists, b->near_count, candidates) != 0)
         return -1;
@@ -151,6 +152,13 @@ static int row_from_all(struct builder *b, uint32_t i)
         meet(b, i, j);
     }
     return 0;
+}
+
+/* Fills the row up to a multiple of four with slot n, which lies far from everything. */
+static void pad_row(struct builder *b)
+{
+    while (b->far_count % SIMD_LANES != 0)
+        b->lists->far.j[b->far_count++] = (uint32_t)b->p->n;
 }
 
 /* Gives the memory that row i carries over to its entries; a linked pair out of reach of contact gets its own. */
@@ -224,6 +232,8 @@ enum dm2_status lists_build(struct lists *lists, const struct model *m, const st
             if ((all_pairs ? row_from_all(&b, i) : row_from_cells(&b, cells, own, i)) != 0 ||
                 remember(&b, i, sorted + rows[i], rows[i + 1] - rows[i]) != 0)
                 goto done;
+            if (m->wide_far)
+                pad_row(&b);
             if (b.far_count > UINT32_MAX || b.near_count > UINT32_MAX) {
                 status = dm2_fail(err, DM2_NUMERIC, "a subdomain's neighbour list has more than 2^32 - 1 pairs: use more "
                                                     "servers or a smaller r_c");

@@ -62,7 +62,9 @@ static enum dm2_status calibrate_centre(const struct material_config *a, const s
         law->k = bulk ? 2.0 * k0 / root3 : 4.0 * k0 / (3.0 * root3);
     }
     law->shape = or_else(in->shape, bulk ? (8.0 * s - 3.0) / 3.0 : (16.0 * s + 3.0) / 9.0);
-    if (law->potential == POTENTIAL_MORSE && !(law->shape > 0.0))
+    if (law->potential != POTENTIAL_MORSE)
+        law->shape = 0.0;
+    else if (!(law->shape > 0.0))
         return dm2_fail(err, DM2_DECK,
                         "the Morse potential of '%s' and '%s' has no shape: give the materials s (above %s), or the "
                         "interaction a shape",
@@ -112,8 +114,8 @@ static enum dm2_status build_law(const struct config *c, int ia, int ib, enum re
     return DM2_OK;
 }
 
-/* Where all elements of each kind have one mass, the damping coefficients need no square root per pair. */
-static void uniform_masses(struct model *m)
+/* Where all elements of each kind have one radius, and so one mass, the pair loop finds its constants worked out. */
+static void uniform_kinds(struct model *m)
 {
     const struct config *c = m->config;
     double *radius = mem_zalloc(m->n_kinds, sizeof *radius); /* 0: no element yet, -1: several radii */
@@ -136,6 +138,7 @@ static void uniform_masses(struct model *m)
                 struct pair_law *law = &m->laws[(a * m->n_kinds + b) * RELATION_COUNT + rel];
                 law->cn_mass = law->cn * root;
                 law->ct_mass = law->ct * root;
+                law->bond = law_bond(law, radius[a] + radius[b]);
             }
         }
     }
@@ -176,7 +179,8 @@ static enum dm2_status build_laws(struct model *m, struct dm2_error *err)
         m->uniform_far = only[rel].potential == only[0].potential && only[rel].k == only[0].k &&
                          only[rel].shape == only[0].shape && only[rel].eps12 == only[0].eps12 &&
                          only[rel].cutoff2 == only[0].cutoff2;
-    uniform_masses(m);
+    m->wide_far = m->uniform_far && only->eps12 > 0.0;
+    uniform_kinds(m);
     return DM2_OK;
 }
 
@@ -214,6 +218,10 @@ static void choose_scales(struct model *m)
                                      .torque = fixed_scale(force * r0, 45), .heat = fixed_scale(heat, 56),
                                      .virial = fixed_scale(force * r0, 45),
                                      .energy = fixed_scale(force * r0, 50), .energy_left = 30};
+    m->fixed.over_far_force = 1.0 / m->fixed.far_force;
+    m->fixed.over_force = 1.0 / m->fixed.force;
+    m->fixed.over_torque = 1.0 / m->fixed.torque;
+    m->fixed.over_heat = 1.0 / m->fixed.heat;
     double extent = c->size[0] + c->size[1] + fabs(c->origin[0]) + fabs(c->origin[1]);
     double speed = extent / c->dt; /* nothing moves faster than a cell per step */
     int e;
@@ -231,6 +239,21 @@ static void choose_scales(struct model *m)
     m->scales.volume = 118 - e;
     (void)frexp(1e12 * (double)m->n_elements, &e); /* no element is hotter than 1e12 K */
     m->scales.temperature = 118 - e;
+}
+
+/* Where a Lennard-Jones force, scaled, reaches 2^50: far.c checks distances instead of forces. */
+static void far_ranges(struct model *m)
+{
+    for (size_t i = 0; i < m->n_kinds * m->n_kinds * RELATION_COUNT; i++) {
+        struct pair_law *law = &m->laws[i];
+        double r2 = law->rm2, force = 0.0;
+        while (law->eps12 > 0.0 && force < 0x1p50) {
+            law->r2_least = r2;
+            r2 *= 0.99;
+            double q = law->rm2 / r2, q3 = q * q * q;
+            force = law->eps12 * (q3 * q3 - q3) / sqrt(r2) * m->fixed.far_force;
+        }
+    }
 }
 
 /* omega^2 dt^2 + 2 gamma dt < 4 for the stiffest mode that an element of mass m can have among neighbours of one law:
@@ -341,6 +364,7 @@ enum dm2_status model_build(const struct config *config, struct model **out, str
         return status;
     }
     choose_scales(m);
+    far_ranges(m);
     stable_time_step(m);
     if (!(config->dt < m->dt_stable)) {
         status = dm2_fail(err, DM2_DECK,

@@ -31,9 +31,9 @@ static void **column_of(struct particles *p, size_t c)
 
 int particles_reserve(struct particles *p, size_t n)
 {
-    if (n <= p->cap)
+    if (n < p->cap)
         return 0;
-    size_t cap = p->cap == 0 ? n : n + n / 16;
+    size_t cap = (p->cap == 0 ? n : n + n / 16) + 1;
     void *grown[COLUMNS];
     for (size_t c = 0; c < COLUMNS; c++) {
         grown[c] = mem_alloc(cap, columns[c].bytes);
@@ -104,6 +104,8 @@ void particles_put(struct particles *p, const struct model *m, size_t i, const s
 
 int particles_permute(struct particles *p, const uint32_t *from, size_t n)
 {
+    if (n == 0)
+        return 0; /* a rank without an element may have no array yet */
     if (particles_reserve(p, n) != 0)
         return -1;
     char *scratch = mem_alloc(n, 3 * sizeof(double)); /* the widest of the state columns */

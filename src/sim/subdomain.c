@@ -408,6 +408,7 @@ static enum dm2_status settle(struct subdomain *sd, const struct parcel *parcels
     if ((!initial && carry_memory(sd, n_old, moved, old_id, &carried) != 0) ||
         carry_parcels(sd, parcels, n_parcels, moved, old_id, n_old, &carried) != 0 || build_send_lists(sd) != 0)
         goto done;
+    sd->p.r[2 * n] = sd->p.r[2 * n + 1] = PARTICLES_FAR;
     status = lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, carried.item, carried.n, initial, err);
 done:
     free(in.newcomers);

@@ -22,14 +22,16 @@ size_t bisect_cells(const struct cell_rect *r);
 /* The sum of `weights` (per cell, row by row on a grid with cx columns) over r; its cells where NULL. */
 uint64_t bisect_weight(int cx, const uint32_t *weights, const struct cell_rect *r);
 
-/* Can cx x cy cells be bisected for `parts` servers? DM2_USAGE: fewer cells than parts (both numbers are named), or
- * parts outside 1..65535. */
+/* Can cx x cy cells be bisected for `parts` servers? DM2_USAGE: fewer cells than parts (both numbers are
+ * named), or parts outside 1..65535. */
 enum dm2_status bisect_check(int cx, int cy, int parts, struct dm2_error *err);
 
-/* Bisects a grid of cx x cy cells with edges lx, ly (cm) for `parts` servers, which bisect_check allows, and writes as
- * many rectangles, which cover every cell exactly once. Every cut goes across the longer side of its rectangle in cm, so that
- * the new interface is the shorter one; n parts are split into floor(n/2) and ceil(n/2) with the cells in
- * proportion, or with `weights` (elements per cell) not NULL the weight. Every part gets at least one cell. */
-void bisect_grid(int cx, int cy, double lx, double ly, int parts, const uint32_t *weights, struct cell_rect *out);
+/* Bisects a grid of cx x cy cells with edges lx, ly (cm) for `parts` servers, which bisect_check allows, and
+ * writes as many rectangles, which cover every cell exactly once. Every cut goes across the longer side of
+ * its rectangle in cm, so that the new interface is the shorter one; n parts are split into floor(n/2) and
+ * ceil(n/2) with the cells in proportion, or with `weights` (elements per cell) not NULL the weight. Every
+ * part gets at least one cell. */
+void bisect_grid(int cx, int cy, double lx, double ly, int parts, const uint32_t *weights,
+                 struct cell_rect *out);
 
 #endif

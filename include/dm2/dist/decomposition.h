@@ -34,8 +34,9 @@ struct decomposition {
     uint16_t *owner;        /* per cell; the engine's struct domain_map borrows it */
 };
 
-/* Bisects the grid for `ranks` ranks as bisect_grid does: by cells, or with `weights` (elements per cell) not NULL by
- * weight. DM2_USAGE: fewer cells than ranks (both numbers are named), or ranks outside 1..65535. DM2_MEMORY. */
+/* Bisects the grid for `ranks` ranks as bisect_grid does: by cells, or with `weights` (elements per cell) not
+ * NULL by weight. DM2_USAGE: fewer cells than ranks (both numbers are named), or ranks outside 1..65535.
+ * DM2_MEMORY. */
 enum dm2_status decomposition_bisect(const struct grid *grid, int ranks, const uint32_t *weights,
                                      struct decomposition *out, struct dm2_error *err);
 

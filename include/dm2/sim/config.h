@@ -21,6 +21,7 @@ enum scope_kind { SCOPE_LINKED, SCOPE_ALL };
 enum search_kind { SEARCH_CELLS_AND_LISTS, SEARCH_LISTS, SEARCH_CELLS };
 enum balance_kind { BALANCE_SPACE, BALANCE_PARTICLES };
 enum lattice_kind { LATTICE_HEXAGONAL, LATTICE_SQUARE };
+enum motion_kind { MOTION_FREE, MOTION_FIXED, MOTION_DRIVEN };
 enum shape_kind { SHAPE_RECTANGLE, SHAPE_DISC, SHAPE_POLYGON };
 
 /* material NAME { ... } */
@@ -86,6 +87,7 @@ struct body_config {
     int mix_material[MIX_MAX];
     double mix_fraction[MIX_MAX];
     uint64_t seed;      /* of the mix and of the random velocities */
+    enum motion_kind motion; /* free, fixed in its place, or driven: `velocity` for ever, whatever the forces */
     double velocity[2]; /* cm/us */
     double jitter;      /* each velocity component is uniform in +-jitter about it, cm/us; default 0 */
     double temperature; /* K, default 300 */

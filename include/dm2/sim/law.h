@@ -16,7 +16,20 @@
 #include <stdint.h>
 
 #include "dm2/base/real.h"
+#include "dm2/base/simd.h"
 #include "dm2/sim/config.h"
+
+/* What a law is for one contact distance r0: constants that the pair loop would otherwise divide for. */
+struct bond {
+    double r0;            /* cm; 0: not worked out */
+    double over_r0;       /* 1/r0 */
+    double forms, breaks; /* link_form r0, link_break r0, cm */
+    double area;          /* A = r0/sqrt(3) h, the facet of the hexagon, cm2 */
+    double alpha;         /* Morse: shape/r0, 1/cm */
+    double force, energy; /* the potential's prefactors: Morse k/alpha and k/(2 alpha^2); quadratic k and k/2;
+                           * Lennard-Jones k r0^2/6 and k r0^2/72 */
+    double peak;          /* length of the strongest attraction, cm; infinite: it never falls */
+};
 
 /* One law per ordered pair of kinds and relation; law(b, a) is law(a, b) with strengths and yields exchanged. */
 struct pair_law {
@@ -31,6 +44,7 @@ struct pair_law {
     double rm2;        /* there: square of the distance of zero force, 2^(1/3) sigma^2, cm2 */
     double cutoff2;    /* scope all: square of the cutoff, cm2; 0 otherwise */
     double u_cut;      /* scope all, plain Lennard-Jones: potential at the cutoff, taken off so that it ends at 0 */
+    double r2_least;   /* there: below this r^2 the force leaves the range of the far sums, cm2 */
     double cn, ct;     /* c_n and c_t over sqrt(m_eff) */
     double cn_mass, ct_mass; /* the same with the m_eff of the kinds, where their elements all have one mass; else -1 */
     double a_p, a_t;   /* change of c_n with P and T */
@@ -40,12 +54,13 @@ struct pair_law {
     double yield_i, yield_j;     /* Y of i's and of j's side at T0, Mbar; infinite: elastic */
     double tensile_i, tensile_j; /* Yt0 likewise */
     double link_form, link_break; /* in r0 */
+    struct bond bond;  /* where all elements of the two kinds have one radius each; else r0 = 0 */
     double conduction; /* kappa_ij times the conductance factor, g cm/us3/K */
 };
 
 /* What the law needs to see of a pair. */
 struct pair_view {
-    double r;                  /* distance of the centres, cm */
+    double r, over_r;          /* distance of the centres, cm, and its reciprocal */
     double radius_i, radius_j; /* cm */
     double vn, vt;             /* relative velocity of i along n and t, without spin, cm/us */
     double w_i, w_j;           /* 1/us */
@@ -81,64 +96,55 @@ static inline double law_lesser(double a, double b)
 
 /* --- central potentials (docs/physics.md, section 3); x is the bond length r - e, r0 the contact distance -------- */
 
-/* E = exp(-alpha (x - r0)) of the Morse potential, alpha = shape/r0. */
-static inline double morse_e(const struct pair_law *law, double x, double r0)
+/* The constants of a law at contact distance r0. */
+static inline struct bond law_bond(const struct pair_law *law, double r0)
 {
-    return real_exp(law->shape - (law->shape / r0) * x);
+    struct bond b = {.r0 = r0, .over_r0 = 1.0 / r0, .forms = law->link_form * r0, .breaks = law->link_break * r0,
+                     .area = r0 * 0x1.279a74590331dp-1 /* 1/sqrt(3) */};
+    if (law->potential == POTENTIAL_MORSE) {
+        double a = r0 / law->shape;
+        b.alpha = law->shape / r0;
+        b.force = law->k * a;
+        b.energy = 0.5 * law->k * (a * a);
+        b.peak = r0 * (1.0 + 0x1.62e42fefa39efp-1 / law->shape); /* E = 1/2 */
+    } else if (law->potential == POTENTIAL_QUADRATIC) {
+        b.force = law->k;
+        b.energy = 0.5 * law->k;
+        b.peak = INFINITY;
+    } else {
+        b.force = law->k * (r0 * r0) * (1.0 / 6.0);
+        b.energy = law->k * (r0 * r0) * (1.0 / 72.0);
+        b.peak = r0 * 0x1.1bd2ad2dcb0c6p0; /* (13/7)^(1/6) */
+    }
+    return b;
 }
 
-/* f = 2 D alpha (E^2 - E) = (k/alpha)(E^2 - E). */
-static inline double morse_force(const struct pair_law *law, double e, double r0)
-{
-    return (law->k * (r0 / law->shape)) * (e * e - e);
-}
-
-/* u = D (1 - E)^2, 0 at r0, D = k/(2 alpha^2). */
-static inline double morse_energy(const struct pair_law *law, double e, double r0)
-{
-    double a = r0 / law->shape;
-    return 0.5 * law->k * (a * a) * ((1.0 - e) * (1.0 - e));
-}
-
-/* f = -k (x - r0) */
-static inline double quadratic_force(const struct pair_law *law, double x, double r0)
-{
-    return law->k * (r0 - x);
-}
-
-static inline double quadratic_energy(const struct pair_law *law, double x, double r0)
-{
-    return 0.5 * law->k * ((r0 - x) * (r0 - x));
-}
-
-/* f = (12 eps/x)((r0/x)^12 - (r0/x)^6), eps = k r0^2/72 */
-static inline double lennard_jones_force(const struct pair_law *law, double x, double r0)
-{
-    double q = (r0 * r0) / (x * x), q3 = q * q * q;
-    return (law->k * (r0 * r0) / 6.0) * (q3 * q3 - q3) / x;
-}
-
-/* u = eps ((r0/x)^12 - 2 (r0/x)^6 + 1), 0 at r0 */
-static inline double lennard_jones_energy(const struct pair_law *law, double x, double r0)
-{
-    double q = (r0 * r0) / (x * x), q3 = q * q * q;
-    return (law->k * (r0 * r0) / 72.0) * ((q3 - 1.0) * (q3 - 1.0));
-}
-
-/* Force and energy of the potential at bond length x. */
-static inline double potential_force(const struct pair_law *law, double x, double r0, double *energy)
+/* Force, and energy with its zero at r0, of the potential at bond length x:
+ *   Morse          f = 2 D alpha (E^2 - E), u = D (1 - E)^2, E = exp(-alpha (x - r0)), D = k/(2 alpha^2)
+ *   quadratic      f = -k (x - r0), u = k (x - r0)^2/2
+ *   Lennard-Jones  f = (12 eps/x)((r0/x)^12 - (r0/x)^6), u = eps ((r0/x)^6 - 1)^2, eps = k r0^2/72 */
+DM2_INLINE double bond_force(const struct pair_law *law, const struct bond *b, double x, double *energy)
 {
     if (law->potential == POTENTIAL_MORSE) {
-        double e = morse_e(law, x, r0);
-        *energy = morse_energy(law, e, r0);
-        return morse_force(law, e, r0);
+        double e = real_exp(law->shape - b->alpha * x);
+        *energy = b->energy * ((1.0 - e) * (1.0 - e));
+        return b->force * (e * e - e);
     }
     if (law->potential == POTENTIAL_QUADRATIC) {
-        *energy = quadratic_energy(law, x, r0);
-        return quadratic_force(law, x, r0);
+        double d = b->r0 - x;
+        *energy = b->energy * (d * d);
+        return b->force * d;
     }
-    *energy = lennard_jones_energy(law, x, r0);
-    return lennard_jones_force(law, x, r0);
+    double over_x = 1.0 / x, q = b->r0 * over_x, q2 = q * q, q6 = q2 * q2 * q2;
+    *energy = b->energy * ((q6 - 1.0) * (q6 - 1.0));
+    return b->force * (q6 * q6 - q6) * over_x;
+}
+
+/* The same for a contact distance that has no constants yet. */
+static inline double potential_force(const struct pair_law *law, double x, double r0, double *energy)
+{
+    struct bond b = law_bond(law, r0);
+    return bond_force(law, &b, x, energy);
 }
 
 /* The bond length beyond r0 at which the attraction reaches `cap` (tension = true), or below r0 at which the
@@ -148,37 +154,30 @@ double law_yield_length(const struct pair_law *law, double r0, double cap, bool 
 
 /* True when a bond of length x pulls with more than `cap`. `force` is the potential's at x. On the falling branch of
  * the potential, beyond its strongest attraction, a bond that may yield has yielded. */
-static inline bool law_pulls_too_hard(const struct pair_law *law, double x, double r0, double force, double cap)
+DM2_INLINE bool law_pulls_too_hard(const struct pair_law *law, const struct bond *b, double x, double force, double cap)
 {
-    if (force < -cap)
-        return true;
-    if (x <= r0)
-        return false;
-    double peak = law->potential == POTENTIAL_MORSE ? r0 * (1.0 + 0x1.62e42fefa39efp-1 / law->shape)
-                  : law->potential == POTENTIAL_LENNARD_JONES ? r0 * 0x1.1bd2ad2dcb0c6p0 /* (13/7)^(1/6) */
-                                                              : INFINITY;
-    return x > peak && law_yield_length(law, r0, cap, true) < INFINITY;
+    return force < -cap || (x > b->peak && law_yield_length(law, b->r0, cap, true) < INFINITY);
 }
 
 /* The whole law: updates the pair's memory and fills *out.
  * dt_kick: the time over which this evaluation's forces act (dt, or dt/2 in step 0); dt_path: the time since the
  * positions of the last evaluation (dt, or 0 in step 0), us. Depth h = 1 cm. */
-static inline void pair_interact(const struct pair_law *law, const struct pair_view *p, double dt_kick, double dt_path,
+DM2_INLINE void pair_interact(const struct pair_law *law, const struct pair_view *p, double dt_kick, double dt_path,
                                  struct pair_state *s, struct pair_effect *out)
 {
-    const double facet = 0x1.279a74590331dp-1; /* 1/sqrt(3): A = r0/sqrt(3) h, the facet of the hexagon */
     double r = p->r, r0 = p->radius_i + p->radius_j, energy = 0.0;
+    const struct bond bond = r0 == law->bond.r0 ? law->bond : law_bond(law, r0);
     *out = (struct pair_effect){.contacting = r <= r0};
 
     /* Status (paper, section 4): contact is where they are; a link has memory. */
     if (s->linked) {
-        if (r > law->link_break * r0) {
+        if (r > bond.breaks) {
             if (law->scope == SCOPE_LINKED)
-                (void)potential_force(law, r - s->stretch, r0, &energy);
+                (void)bond_force(law, &bond, r - s->stretch, &energy);
             out->heat += energy + 0.5 * law->kt_link * (s->spring * s->spring);
             *s = (struct pair_state){.linked = false};
         }
-    } else if (r <= law->link_form * r0) {
+    } else if (r <= bond.forms) {
         if (law->kt_link != law->kt_contact) {
             out->heat += 0.5 * law->kt_contact * (s->spring * s->spring);
             s->spring = 0.0;
@@ -193,14 +192,14 @@ static inline void pair_interact(const struct pair_law *law, const struct pair_v
     }
 
     /* Central force with tension yield. */
-    double f = 0.0, area = r0 * facet;
+    double f = 0.0;
     if (law->scope == SCOPE_LINKED) {
         double x = r - s->stretch;
-        f = potential_force(law, x, r0, &energy);
-        double cap = law_lesser(law->tensile_i * p->soft_i, law->tensile_j * p->soft_j) * area;
+        f = bond_force(law, &bond, x, &energy);
+        double cap = law_lesser(law->tensile_i * p->soft_i, law->tensile_j * p->soft_j) * bond.area;
         if (s->linked && cap < INFINITY) {
             double before = s->stretch;
-            if (law_pulls_too_hard(law, x, r0, f, cap)) {
+            if (law_pulls_too_hard(law, &bond, x, f, cap)) {
                 double at = law_yield_length(law, r0, cap, true);
                 if (at < INFINITY)
                     s->stretch = r - at;
@@ -210,7 +209,7 @@ static inline void pair_interact(const struct pair_law *law, const struct pair_v
             }
             if (s->stretch != before) {
                 out->heat += cap * fabs(s->stretch - before);
-                f = potential_force(law, r - s->stretch, r0, &energy);
+                f = bond_force(law, &bond, r - s->stretch, &energy);
             }
         }
         out->potential = energy;
@@ -233,13 +232,13 @@ static inline void pair_interact(const struct pair_law *law, const struct pair_v
 
     /* Tangential: a spring, elastic-perfectly-plastic in a link and with Coulomb's cap in a contact; viscosity. */
     if (law->tangential) {
-        double share = r / r0;
+        double share = r * bond.over_r0;
         out->arm_i = share * p->radius_i;
         out->arm_j = share * p->radius_j;
         double vt = p->vt - (p->w_i * out->arm_i + p->w_j * out->arm_j);
         double kt = s->linked ? law->kt_link : law->kt_contact;
         double cap = s->linked ? 0x1.bb67ae8584cabp-1 * /* 1.5/sqrt(3) */
-                                     law_lesser(law->yield_i * p->soft_i, law->yield_j * p->soft_j) * area
+                                     law_lesser(law->yield_i * p->soft_i, law->yield_j * p->soft_j) * bond.area
                                : law->mu * out->fn;
         double spring = s->spring + vt * dt_path;
         if (kt * fabs(spring) > cap) {
@@ -259,7 +258,7 @@ static inline void pair_interact(const struct pair_law *law, const struct pair_v
     out->heat_damped -= fdn * p->vn * dt_kick;
 
     /* Fourier: Q = kappa (A/r)(T_j - T_i) dt. */
-    out->exchange = law->conduction * (area / r) * (p->t_j - p->t_i) * dt_kick;
+    out->exchange = law->conduction * (bond.area * p->over_r) * (p->t_j - p->t_i) * dt_kick;
 }
 
 #endif

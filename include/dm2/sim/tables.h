@@ -20,6 +20,7 @@ struct kind {
 
 /* Fixed-point scales: a double times the scale, rounded, is what the 64-bit sums add. Powers of two. */
 struct fixed_scales {
+    double over_far_force, over_force, over_torque, over_heat; /* reciprocals, exact */
     double far_force, force, torque, heat, virial, energy;
     int energy_left; /* measure_scales.energy = log2(energy) + energy_left */
 };
@@ -37,7 +38,8 @@ struct model {
     bool has_heat;         /* temperature changes something: softening, conduction, damping's a_t */
     bool has_pressure;     /* some damping depends on pressure */
     bool has_strain;       /* the deck asks for strain: velocities of mirrored elements matter */
-    bool uniform_far;      /* one kind, one far law: the fast path */
+    bool uniform_far;      /* one kind, one far law */
+    bool wide_far;         /* and that law is a plain Lennard-Jones potential: rows of the far list are padded to fours */
     double far_cutoff;     /* largest cutoff of scope all, cm; 0 without */
     double radius_max;     /* largest radius of an element, cm */
     double link_form_max;

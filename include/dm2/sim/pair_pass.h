@@ -1,0 +1,63 @@
+/* What the two pair loops (far.c, near.c) share: one evaluation in progress. Private to the engine. */
+#ifndef DM2_SIM_PAIR_PASS_H
+#define DM2_SIM_PAIR_PASS_H
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "dm2/sim/force.h"
+
+/* Largest magnitude that near effects and energies may have in fixed point: 64 pairs may meet in one element. */
+#define FIXED_RANGE 0x1p57
+
+/* Nearest integer of a scaled double, halves to even; |scaled| < FIXED_RANGE. Odd. One instruction on most machines. */
+static inline int64_t to_fixed(double scaled)
+{
+    return llrint(scaled);
+}
+
+/* What both loops know. */
+struct pass {
+    const struct model *m;
+    struct particles *p;
+    double period[2], half[2];
+    double dt_kick, dt_path;
+    struct pair_totals *totals;
+    struct exact_sum potential, elastic;
+    uint32_t bad_i, bad_j; /* a pair out of range, if any */
+    bool bad;
+};
+
+static inline void note_bad(struct pass *pass, uint32_t i, uint32_t j)
+{
+    if (!pass->bad) {
+        pass->bad = true;
+        pass->bad_i = i;
+        pass->bad_j = j;
+    }
+}
+
+/* A pair's energies and counts belong to one server: the owner of the lower id. */
+static inline bool counts_here(const struct particles *p, uint32_t i, uint32_t j)
+{
+    return j < p->n_own || p->id[i] < p->id[j];
+}
+
+static inline void add_virial(const struct pass *pass, uint32_t i, uint32_t j, double dx, double dy, double fx, double fy)
+{
+    double s = pass->m->fixed.virial;
+    int64_t xx = to_fixed(dx * fx * s), yy = to_fixed(dy * fy * s), xy = to_fixed(0.5 * (dx * fy + dy * fx) * s);
+    int64_t *vi = pass->p->virial + 3 * i, *vj = pass->p->virial + 3 * (size_t)j;
+    vi[0] += xx;
+    vi[1] += yy;
+    vi[2] += xy;
+    vj[0] += xx;
+    vj[1] += yy;
+    vj[2] += xy;
+}
+
+/* The potentials of scope `all` over the far list, into far_sum. */
+void far_evaluate(struct pass *pass, const struct half_list *list);
+
+#endif

@@ -1,0 +1,71 @@
+/* dm2-model: the paper's performance model (section 6) as a tool. */
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "dm2/app/model_commands.h"
+#include "dm2/base/version.h"
+
+static const char PROGRAM[] = "dm2-model";
+
+struct command {
+    const char *name, *help;
+    enum dm2_status (*run)(int argc, char **argv, struct dm2_error *err);
+};
+
+static const struct command COMMANDS[] = {
+    {"predict", "times, speedup and efficiency of N servers", model_predict_command},
+    {"what-if", "other processors and networks; from which size servers pay, and how many",
+     model_what_if_command},
+};
+
+enum { N_COMMANDS = sizeof COMMANDS / sizeof COMMANDS[0] };
+
+static void print_help(void)
+{
+    (void)printf("usage: %s COMMAND [options]\nThe performance model of the distributed run.\n\n", PROGRAM);
+    for (size_t i = 0; i < N_COMMANDS; i++)
+        (void)printf("  %-10s %s\n", COMMANDS[i].name, COMMANDS[i].help);
+    (void)printf("\n%s COMMAND --help lists a command's options.\n", PROGRAM);
+}
+
+static enum dm2_status unknown_command(const char *word, struct dm2_error *err)
+{
+    char names[200] = "";
+    size_t used = 0;
+    for (size_t i = 0; i < N_COMMANDS && used < sizeof names; i++)
+        used +=
+            (size_t)snprintf(names + used, sizeof names - used, "%s%s", i > 0 ? ", " : "", COMMANDS[i].name);
+    return dm2_fail(err, DM2_USAGE,
+                    word == NULL ? "a command is missing%s: %s" : "the command '%s' is not known: %s",
+                    word == NULL ? "" : word, names);
+}
+
+static enum dm2_status dispatch(int argc, char **argv, struct dm2_error *err)
+{
+    const char *word = argc > 1 ? argv[1] : NULL;
+    if (word != NULL && (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0)) {
+        print_help();
+        return DM2_OK;
+    }
+    if (word != NULL && strcmp(word, "--version") == 0) {
+        (void)printf("%s %s\n", PROGRAM, DM2_VERSION);
+        return DM2_OK;
+    }
+    for (size_t i = 0; word != NULL && i < N_COMMANDS; i++)
+        if (strcmp(word, COMMANDS[i].name) == 0)
+            return COMMANDS[i].run(argc - 1, argv + 1, err);
+    return unknown_command(word, err);
+}
+
+int main(int argc, char **argv)
+{
+    struct dm2_error err = {0};
+    enum dm2_status status = dispatch(argc, argv, &err);
+    if (status == DM2_OK)
+        return 0;
+    (void)fprintf(stderr, "%s: %s\n", PROGRAM, err.text);
+    if (status == DM2_USAGE)
+        (void)fprintf(stderr, "%s --help tells how it is called\n", PROGRAM);
+    return dm2_exit_code(status);
+}

@@ -1,0 +1,164 @@
+/* Potentials of scope `all`: every pair within a cutoff, no memory, no status. This loop is all that a molecular-dynamics
+ * deck does, so its common case, one kind of element with a Lennard-Jones potential, has a path that takes four pairs
+ * at a time; rows of the list are padded to fours with a slot that is far from everything (lists.h). Both paths do the
+ * same operations on each pair, so the bits do not tell which ran.
+ *
+ * Forces become integers by adding 1.5 * 2^52, which leaves the rounded integer in the low bits of the double: exact
+ * below 2^51, and it works in vectors, where conversion to 64-bit integers would not. A Lennard-Jones pair can leave that
+ * range only by coming closer than law->r2_least; other potentials have each force checked. */
+#include <string.h>
+
+#include "dm2/base/simd.h"
+#include "dm2/sim/pair_pass.h"
+
+static const double far_range = 0x1p50;
+static const double shifter = 0x1.8p52;
+
+static inline int64_t far_to_fixed(double scaled)
+{
+    double shifted = scaled + shifter;
+    int64_t bits, zero;
+    memcpy(&bits, &shifted, sizeof bits);
+    memcpy(&zero, &shifter, sizeof zero);
+    return bits - zero;
+}
+
+/* Force over distance, f/r, of the potential at r^2, and its energy above the cutoff where asked. */
+static inline double far_pair(const struct pair_law *law, double r2, double r0, double *energy)
+{
+    if (law->eps12 > 0.0) {
+        double inverse = 1.0 / r2, q = law->rm2 * inverse, q3 = q * q * q;
+        if (energy != NULL)
+            *energy = law->eps12 * (1.0 / 12.0) * (q3 * q3 - 2.0 * q3) - law->u_cut;
+        return law->eps12 * (q3 * q3 - q3) * inverse;
+    }
+    double r = sqrt(r2), u, u_end, f = potential_force(law, r, r0, &u);
+    if (energy != NULL) {
+        (void)potential_force(law, sqrt(law->cutoff2), r0, &u_end);
+        *energy = u - u_end;
+    }
+    return f / r;
+}
+
+/* The plain loop: any mix of kinds and potentials, and measuring. */
+static inline void far_rows(struct pass *pass, const struct half_list *list, bool uniform, bool measure)
+{
+    const struct model *m = pass->m;
+    struct particles *p = pass->p;
+    const double *r = p->r, scale = m->fixed.far_force;
+    int64_t *sum = p->far_sum;
+    const struct pair_law *law = m->laws;
+    double r0 = 2.0 * m->radius_max;
+    for (uint32_t i = 0; i < p->n_own; i++) {
+        double x = r[2 * i], y = r[2 * i + 1];
+        int64_t fx_i = 0, fy_i = 0;
+        bool bad = false;
+        for (uint32_t k = list->start[i]; k < list->start[i + 1]; k++) {
+            uint32_t j = list->j[k];
+            double dx = lists_wrap(x - r[2 * (size_t)j], pass->period[0], pass->half[0]);
+            double dy = lists_wrap(y - r[2 * (size_t)j + 1], pass->period[1], pass->half[1]);
+            double r2 = dx * dx + dy * dy, energy = 0.0;
+            if (!uniform) {
+                law = model_law(m, p->kind[i], p->kind[j],
+                                relation_of(p->body[i], p->grain[i], p->body[j], p->grain[j]));
+                r0 = p->radius[i] + p->radius[j];
+            }
+            if (r2 > law->cutoff2)
+                continue;
+            double f = far_pair(law, r2, r0, measure ? &energy : NULL), fs = f * scale;
+            double fx = fs * dx, fy = fs * dy;
+            bad |= !(r2 >= law->r2_least) | !(fabs(fx) < far_range) | !(fabs(fy) < far_range);
+            int64_t qx = far_to_fixed(fx), qy = far_to_fixed(fy);
+            fx_i += qx;
+            fy_i += qy;
+            sum[2 * (size_t)j] -= qx;
+            sum[2 * (size_t)j + 1] -= qy;
+            if (measure) {
+                double us = energy * m->fixed.energy;
+                add_virial(pass, i, j, dx, dy, f * dx, f * dy);
+                bad |= !(fabs(us) < FIXED_RANGE);
+                if (counts_here(p, i, j) && !bad)
+                    exact_add_units(&pass->potential, to_fixed(us), m->fixed.energy_left);
+            }
+        }
+        sum[2 * i] += fx_i;
+        sum[2 * i + 1] += fy_i;
+        if (bad)
+            note_bad(pass, i, i);
+    }
+}
+
+/* One Lennard-Jones law for all, four pairs at a time: the plain loop in lanes. */
+DM2_INLINE void lennard_jones_rows(struct pass *pass, const struct half_list *list, bool periodic)
+{
+    const struct pair_law *law = pass->m->laws;
+    const double *r = pass->p->r, scale = pass->m->fixed.far_force, cutoff2 = law->cutoff2, rm2 = law->rm2;
+    const double eps12 = law->eps12;
+    int64_t *sum = pass->p->far_sum;
+    const simd_real2 *r2d = (const simd_real2 *)(const void *)r; /* the arrays are aligned to cache lines */
+    simd_int2 *sum2d = (simd_int2 *)(void *)sum;
+    const simd_real zero = {0.0}, period_x = zero + pass->period[0], period_y = zero + pass->period[1];
+    const simd_real half_x = zero + pass->half[0], half_y = zero + pass->half[1];
+    simd_real least = zero + INFINITY;
+    for (size_t i = 0; i < pass->p->n_own; i++) {
+        double x = r[2 * i], y = r[2 * i + 1];
+        simd_int fx_i = {0}, fy_i = {0};
+        for (uint32_t k = list->start[i]; k < list->start[i + 1]; k += SIMD_LANES) {
+            const uint32_t *j = list->j + k;
+            simd_real a = SIMD_JOIN(r2d[j[0]], r2d[j[2]]), b = SIMD_JOIN(r2d[j[1]], r2d[j[3]]);
+            simd_real dx = x - SIMD_EVEN(a, b), dy = y - SIMD_ODD(a, b);
+            if (periodic) {
+                dx = dx - SIMD_CHOOSE(dx > half_x, period_x, zero) + SIMD_CHOOSE(dx < -half_x, period_x, zero);
+                dy = dy - SIMD_CHOOSE(dy > half_y, period_y, zero) + SIMD_CHOOSE(dy < -half_y, period_y, zero);
+            }
+            simd_real r2 = dx * dx + dy * dy;
+            least = SIMD_CHOOSE(r2 < least, r2, least);
+            simd_real inverse = 1.0 / r2, q = rm2 * inverse, q3 = q * q * q;
+            simd_real fs = eps12 * (q3 * q3 - q3) * inverse * scale;
+            fs = SIMD_CHOOSE(r2 <= cutoff2, fs, zero);
+            simd_int qx = (simd_int)(fs * dx + shifter) - (simd_int)(zero + shifter);
+            simd_int qy = (simd_int)(fs * dy + shifter) - (simd_int)(zero + shifter);
+            fx_i += qx;
+            fy_i += qy;
+            union simd_int_halves even = {.all = SIMD_EVEN(qx, qy)}, odd = {.all = SIMD_ODD(qx, qy)};
+            sum2d[j[0]] -= even.half[0];
+            sum2d[j[1]] -= odd.half[0];
+            sum2d[j[2]] -= even.half[1];
+            sum2d[j[3]] -= odd.half[1];
+        }
+        sum[2 * i] += fx_i[0] + fx_i[1] + fx_i[2] + fx_i[3];
+        sum[2 * i + 1] += fy_i[0] + fy_i[1] + fy_i[2] + fy_i[3];
+    }
+    for (int lane = 0; lane < SIMD_LANES; lane++) {
+        if (least[lane] < law->r2_least)
+            far_rows(pass, list, true, false); /* finds which pair it was; the run ends */
+    }
+}
+
+DM2_WIDE static void lennard_jones_free(struct pass *pass, const struct half_list *list)
+{
+    lennard_jones_rows(pass, list, false);
+}
+
+DM2_WIDE static void lennard_jones_periodic(struct pass *pass, const struct half_list *list)
+{
+    lennard_jones_rows(pass, list, true);
+}
+
+void far_evaluate(struct pass *pass, const struct half_list *list)
+{
+    const struct model *m = pass->m;
+    bool measure = pass->totals != NULL;
+    if (m->wide_far && !measure && (m->grid.periodic[0] || m->grid.periodic[1]))
+        lennard_jones_periodic(pass, list);
+    else if (m->wide_far && !measure)
+        lennard_jones_free(pass, list);
+    else if (m->uniform_far && measure)
+        far_rows(pass, list, true, true);
+    else if (m->uniform_far)
+        far_rows(pass, list, true, false);
+    else if (measure)
+        far_rows(pass, list, false, true);
+    else
+        far_rows(pass, list, false, false);
+}
