@@ -572,7 +572,7 @@ enum dm2_status results_open(const char *directory, bool overwrite, const struct
 
 enum dm2_status results_close(struct results *r, struct dm2_error *err)
 {
-    enum dm2_status status = DM2_OK;
+    enum dm2_status status = file_flush(&r->history, err); /* a failure of old gives no table its name */
     for (size_t k = 0; status == DM2_OK && k < r->config->n_profiles; k++)
         status = file_commit(&r->profiles[k], err);
     if (status == DM2_OK && r->fragments.path != NULL)
