@@ -1,5 +1,5 @@
-/* Puts an interaction together from the rules of the deck. A rule is a set of fields; the more specific one wins field
- * by field, so that `interface body { linked = no }` changes nothing else. */
+/* Puts an interaction together from the rules of the deck. A rule is a set of fields; the more specific one
+ * wins field by field, so that `interface body { linked = no }` changes nothing else. */
 #include "dm2/sim/config.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
-/* From texts to a config: parse, evaluate, bind, check. Every pass goes on after mistakes and leaves its findings in
- * one place; a config is given away only when there was no error. */
+/* From texts to a config: parse, evaluate, bind, check. Every pass goes on after mistakes and leaves its
+ * findings in one place; a config is given away only when there was no error. */
 #include "dm2/sim/deck.h"
 
 #include <stdlib.h>

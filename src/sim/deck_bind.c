@@ -1,8 +1,8 @@
-/* Binding goes through the blocks three times: which kind is each and how many are there; the names of materials, so
- * that order does not matter; then all values.
+/* Binding goes through the blocks three times: which kind is each and how many are there; the names of
+ * materials, so that order does not matter; then all values.
  *
- * What is missing is reported only where nothing unknown could have been meant by it: `sise = 1 2` is one mistake,
- * not an unknown keyword and a missing one. */
+ * What is missing is reported only where nothing unknown could have been meant by it: `sise = 1 2` is one
+ * mistake, not an unknown keyword and a missing one. */
 #include "dm2/sim/deck_bind.h"
 
 #include <stdlib.h>
@@ -49,6 +49,17 @@ static struct deck_place name_of(const struct deck_binding *b, size_t block, siz
     return b->tree->names[block_at(b, block)->first_name + i];
 }
 
+/* The same without quotes. */
+static struct deck_place bare_name_of(const struct deck_binding *b, size_t block, size_t i)
+{
+    struct deck_place name = name_of(b, block, i);
+    if (place_bytes(b->tree->source, name)[0] == '"') {
+        name.offset++;
+        name.length -= 2;
+    }
+    return name;
+}
+
 static void check_single(struct deck_binding *b, size_t block)
 {
     enum block_kind kind = b->kinds[block];
@@ -70,22 +81,21 @@ static bool check_head(struct deck_binding *b, size_t block)
     const struct block_schema *schema = schema_block(b->kinds[block]);
     const struct deck_block *at = block_at(b, block);
     size_t extra = b->kinds[block] == BLOCK_INTERFACE ? 1 : 0, n = at->n_names;
-    bool ok = schema->single                       ? n == 0
-              : named(b->kinds[block]) ? n == 1
-                                                   : n == extra || n == extra + 2;
+    bool ok = schema->single ? n == 0 : named(b->kinds[block]) ? n == 1 : n == extra || n == extra + 2;
     struct place_text text;
     if (!ok) {
-        struct deck_place place = n == 0 ? at->word : place_span(name_of(b, block, 0), name_of(b, block, n - 1));
+        struct deck_place place =
+            n == 0 ? at->word : place_span(name_of(b, block, 0), name_of(b, block, n - 1));
         if (!at->bad)
-            findings_error(b->findings, place, "between '%s' and '{' stands %s, found %zu name%s", schema->name,
-                           schema->names, n, n == 1 ? "" : "s");
+            findings_error(b->findings, place, "between '%s' and '{' belongs %s, found %zu name%s",
+                           schema->name, schema->names, n, n == 1 ? "" : "s");
         return false;
     }
     for (size_t i = 0; i < n && named(b->kinds[block]); i++) {
         struct deck_place name = name_of(b, block, i);
         if (place_bytes(b->tree->source, name)[0] == '"' || name.length > NAME_MAX_LENGTH) {
-            findings_error(b->findings, name, "a name is letters, digits and _, at most %d, not %s", NAME_MAX_LENGTH,
-                           place_text(b->tree->source, name, &text));
+            findings_error(b->findings, name, "a name is letters, digits and _, at most %d, not %s",
+                           NAME_MAX_LENGTH, place_text(b->tree->source, name, &text));
             return false;
         }
     }
@@ -116,7 +126,8 @@ static bool find_kinds(struct deck_binding *b)
         if (b->kinds[i] != BLOCK_COUNT)
             check_single(b, i);
         else if (!tree->blocks[i].bad)
-            findings_error(b->findings, word, "there is no block '%s'%s", place_text(tree->source, word, &text),
+            findings_error(b->findings, word, "there is no block '%s'%s",
+                           place_text(tree->source, word, &text),
                            words_hint(&known, bytes, word.length, &hint));
     }
     return true;
@@ -187,7 +198,8 @@ static bool name_things(struct deck_binding *b, const size_t *blocks, size_t n, 
         struct place_text kind;
         if (strcmp(sorted[i].name, sorted[i - 1].name) == 0)
             findings_error(b->findings, name_of(b, sorted[i].block, 0), "there is a %s '%s' before",
-                           place_text(b->tree->source, block_at(b, sorted[i].block)->word, &kind), sorted[i].name);
+                           place_text(b->tree->source, block_at(b, sorted[i].block)->word, &kind),
+                           sorted[i].name);
     }
     free(sorted);
     return true;
@@ -212,7 +224,8 @@ bool binding_missing(const struct deck_binding *b, size_t block, const char *key
            !unknown_key_like(b, block, schema_block(b->kinds[block]), key);
 }
 
-/* Reads all entries of a block into `base`. Gives the keywords that were given and those that are bad, as bits. */
+/* Reads all entries of a block into `base`. Gives the keywords that were given and those that are bad, as
+ * bits. */
 static void read_entries(struct deck_binding *b, size_t block, void *base, uint32_t *set, uint32_t *bad)
 {
     const struct deck_block *at = block_at(b, block);
@@ -247,9 +260,10 @@ static void check_missing_keys(struct deck_binding *b, size_t block, uint32_t se
     for (size_t i = 0; i < schema->n_keys; i++) {
         const struct deck_key *key = &schema->keys[i];
         bool replaced = b->steps_replaced && strcmp(key->name, "steps") == 0;
-        if (key->required && (set >> i & 1u) == 0 && !replaced && !unknown_key_like(b, block, schema, key->name))
-            findings_error(b->findings, block_at(b, block)->word, "the block '%s' lacks '%s': %s", schema->name,
-                           key->name, key->meaning);
+        if (key->required && (set >> i & 1u) == 0 && !replaced &&
+            !unknown_key_like(b, block, schema, key->name))
+            findings_error(b->findings, block_at(b, block)->word, "the block '%s' lacks '%s': %s",
+                           schema->name, key->name, key->meaning);
     }
 }
 
@@ -289,8 +303,8 @@ static bool bind_bodies(struct deck_binding *b)
         schema_defaults(schema_block(BLOCK_BODY), body);
         read_block(b, block, body);
         if (entry_of(b, block, "row_spacing") == NULL)
-            body->row_spacing = body->lattice == LATTICE_HEXAGONAL ? body->spacing * 0.86602540378443864676
-                                                                   : body->spacing;
+            body->row_spacing =
+                body->lattice == LATTICE_HEXAGONAL ? body->spacing * 0.86602540378443864676 : body->spacing;
         if (entry_of(b, block, "radius") == NULL)
             body->radius = body->spacing / 2;
     }
@@ -357,7 +371,7 @@ static bool rule_head(struct deck_binding *b, size_t block, struct interaction_r
     }
     bool ok = true;
     for (size_t i = first; i < block_at(b, block)->n_names; i++) {
-        rule->material[i - first] = binding_material(b, name_of(b, block, i));
+        rule->material[i - first] = binding_material(b, bare_name_of(b, block, i));
         ok = ok && rule->material[i - first] >= 0;
     }
     if (rule->material[0] > rule->material[1]) {
@@ -380,7 +394,8 @@ static bool bind_rules(struct deck_binding *b)
     struct config *c = b->config;
     size_t n = collect(b, BLOCK_INTERACTION, RULE_MAX, b->rule_block, 0);
     n = collect(b, BLOCK_INTERFACE, RULE_MAX, b->rule_block, n);
-    unsigned char *seen = mem_zalloc((size_t)(RELATION_COUNT + 1) * (MATERIAL_MAX + 1) * (MATERIAL_MAX + 1), 1);
+    unsigned char *seen =
+        mem_zalloc((size_t)(RELATION_COUNT + 1) * (MATERIAL_MAX + 1) * (MATERIAL_MAX + 1), 1);
     c->rules = mem_zalloc(n, sizeof *c->rules);
     bool ok = c->rules != NULL && seen != NULL;
     for (size_t i = 0; ok && i < n; i++) {
@@ -389,7 +404,8 @@ static bool bind_rules(struct deck_binding *b)
         bool head = rule_head(b, block, rule);
         read_entries(b, block, &rule->value, &rule->set, &rule->bad);
         if (head && seen[rule_key(rule)])
-            findings_error(b->findings, block_at(b, block)->word, "there is a block for the same pair before");
+            findings_error(b->findings, block_at(b, block)->word,
+                           "there is a block for the same pair before");
         if (!head)
             continue;
         seen[rule_key(rule)] = 1;

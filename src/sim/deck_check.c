@@ -1,5 +1,5 @@
-/* The checks that look at several keywords at once. Values that were bad are NaN, and all comparisons are written so
- * that NaN triggers nothing: one mistake gives one finding. */
+/* The checks that look at several keywords at once. Values that were bad are NaN, and all comparisons are
+ * written so that NaN triggers nothing: one mistake gives one finding. */
 #include "dm2/sim/deck_check.h"
 
 #include <math.h>
@@ -20,19 +20,18 @@ static void check_domain(const struct deck_binding *b)
 {
     const struct config *c = b->config;
     size_t block = b->single[BLOCK_DOMAIN];
-    struct number_text r_c, contact;
+    struct number_text r_c;
     struct grid grid;
     struct dm2_error err;
     double reach = c->r_c + c->delta_r;
     if (c->r_c < check_contact_distance(c))
         findings_error(b->findings, binding_place(b, block, "r_c", 0),
-                       "r_c = %s cm is below the contact distance of %s cm, so that contacts would be missed",
-                       number_text(c->r_c, &r_c), number_text(check_contact_distance(c), &contact));
+                       "r_c = %s cm is below the contact distance of %g cm, so that contacts would be missed",
+                       number_text(c->r_c, &r_c), check_contact_distance(c));
     /* False where one of them is NaN. */
     bool known = reach > 0 && c->size[0] > 0 && c->size[1] > 0;
     for (int a = 0; a < 2; a++)
-        known = known && isfinite(c->size[a]) && isfinite(c->origin[a]) &&
-                !binding_bad(b, block, "boundary");
+        known = known && isfinite(c->size[a]) && isfinite(c->origin[a]) && !binding_bad(b, block, "boundary");
     if (known && grid_build(c->origin, c->size, c->periodic, reach, &grid, &err) != DM2_OK)
         findings_error(b->findings, binding_place(b, block, "size", 0), "%s", err.text);
 }

@@ -1,4 +1,5 @@
-/* Bodies and probes: shapes, what they are made of, whether they lie in the domain and apart from one another. */
+/* Bodies and probes: shapes, what they are made of, whether they lie in the domain and apart from one
+ * another. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -35,11 +36,11 @@ static void check_mix(const struct deck_binding *b, size_t i)
 {
     const struct body_config *body = &b->config->bodies[i];
     size_t block = b->body_block[i];
-    struct number_text sum_text, t, tm;
+    struct number_text t, tm;
     double sum = 0;
     if (binding_missing(b, block, "material") && binding_missing(b, block, "mix"))
-        findings_error(b->findings, binding_place(b, block, "material", 0), "the body '%s' lacks 'material' or 'mix'",
-                       body->name);
+        findings_error(b->findings, binding_place(b, block, "material", 0),
+                       "the body '%s' lacks 'material' or 'mix'", body->name);
     if (binding_given(b, block, "material") && binding_given(b, block, "mix"))
         findings_error(b->findings, binding_place(b, block, "mix", 0), "give 'material' or 'mix', not both");
     for (size_t m = 0; m < body->n_mix; m++) {
@@ -48,11 +49,12 @@ static void check_mix(const struct deck_binding *b, size_t i)
         if (body->temperature >= material->tm)
             findings_error(b->findings, binding_place(b, block, "temperature", 0),
                            "the body '%s' starts at %s K, but its material '%s' melts at %s K", body->name,
-                           number_text(body->temperature, &t), material->name, number_text(material->tm, &tm));
+                           number_text(body->temperature, &t), material->name,
+                           number_text(material->tm, &tm));
     }
     if (body->n_mix > 0 && fabs(sum - 1) > 1e-6)
-        findings_error(b->findings, binding_place(b, block, "mix", 0), "the fractions of the mix sum to %s, not to 1",
-                       number_text(sum, &sum_text));
+        findings_error(b->findings, binding_place(b, block, "mix", 0),
+                       "the fractions of the mix sum to %.9g, not to 1", sum);
 }
 
 /* A fixed body has no velocity, one of prescribed motion no random one. */
@@ -117,8 +119,8 @@ static void check_overlap(const struct deck_binding *b, size_t i, size_t j)
     if (bad || !shape_overlaps(&x->shape, &y->shape))
         return;
     if (x->velocity[0] != y->velocity[0] || x->velocity[1] != y->velocity[1])
-        findings_error(b->findings, place, "the bodies '%s' and '%s' overlap, and their velocities differ", x->name,
-                       y->name);
+        findings_error(b->findings, place, "the bodies '%s' and '%s' overlap, and their velocities differ",
+                       x->name, y->name);
     else
         findings_warn(b->findings, place, "the bodies '%s' and '%s' overlap: elements may lie on one another",
                       x->name, y->name);
@@ -129,7 +131,8 @@ static void check_overlaps(const struct deck_binding *b, struct extent *extents,
 {
     qsort(extents, n, sizeof *extents, compare_extents);
     for (size_t i = 0; i < n; i++)
-        for (size_t j = i + 1; j < n && extents[j].box[0] < extents[i].box[2] && !b->findings->more_errors; j++)
+        for (size_t j = i + 1; j < n && extents[j].box[0] < extents[i].box[2] && !b->findings->more_errors;
+             j++)
             check_overlap(b, extents[i].body, extents[j].body);
 }
 
@@ -176,8 +179,8 @@ bool check_bodies(const struct deck_binding *b)
         elements += own > 0 ? own : 0;
         if (elements > DECK_MAX_ELEMENTS) {
             findings_error(b->findings, binding_place(b, b->body_block[i], "spacing", 0),
-                           "the deck would have about %.3g elements with the body '%s'; the most is %.3g", elements,
-                           body->name, DECK_MAX_ELEMENTS);
+                           "the deck would have about %.3g elements with the body '%s'; the most is %.3g",
+                           elements, body->name, DECK_MAX_ELEMENTS);
             elements = 0;
         }
     }

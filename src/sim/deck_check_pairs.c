@@ -1,5 +1,6 @@
-/* Materials, and the interactions of the pairs of them that can meet: in one body, or in two. Each finding points at
- * the block that has the last word on the keyword in question; a finding that several pairs share appears once. */
+/* Materials, and the interactions of the pairs of them that can meet: in one body, or in two. Each finding
+ * points at the block that has the last word on the keyword in question; a finding that several pairs share
+ * appears once. */
 #include <math.h>
 #include <string.h>
 
@@ -24,8 +25,8 @@ static void check_material(const struct deck_binding *b, size_t i)
         findings_error(b->findings, binding_place(b, block, "mass", 0), "give 'rho0' or 'mass', not both");
     if (m->t0 >= m->tm)
         findings_error(b->findings, binding_place(b, block, "tm", 0),
-                       "'tm' = %s K must be above the reference temperature 't0' = %s K", number_text(m->tm, &tm),
-                       number_text(m->t0, &t0));
+                       "'tm' = %s K must be above the reference temperature 't0' = %s K",
+                       number_text(m->tm, &tm), number_text(m->t0, &t0));
     if (m->kappa > 0 && binding_missing(b, block, "cp"))
         findings_warn(b->findings, binding_place(b, block, "kappa", 0),
                       "without 'cp' temperatures stay as they are, so that nothing is conducted");
@@ -39,7 +40,8 @@ static int key_index(const char *key)
 /* The block that decides on this keyword for the pair; tree->n_blocks: none, the default holds. */
 static size_t deciding_block(const struct pair_check *p, const char *key)
 {
-    int rule = interaction_rule_of(p->b->config, p->materials[0], p->materials[1], p->relation, key_index(key));
+    int rule =
+        interaction_rule_of(p->b->config, p->materials[0], p->materials[1], p->relation, key_index(key));
     return rule < 0 ? p->b->tree->n_blocks : p->b->rule_block[rule];
 }
 
@@ -55,12 +57,27 @@ static struct deck_place key_place(const struct pair_check *p, const char *key)
 
 static const char *potential_name(enum potential_kind potential)
 {
-    return potential == POTENTIAL_QUADRATIC ? "quadratic" : potential == POTENTIAL_MORSE ? "morse" : "lennard-jones";
+    return potential == POTENTIAL_QUADRATIC ? "quadratic"
+           : potential == POTENTIAL_MORSE   ? "morse"
+                                            : "lennard-jones";
+}
+
+/* Given for this potential: not in a more general block than the one that chooses the potential. */
+static bool given_for_potential(const struct pair_check *p, const char *key)
+{
+    const struct config *c = p->b->config;
+    int m = p->materials[0], n = p->materials[1];
+    int rule = interaction_rule_of(c, m, n, p->relation, key_index(key));
+    int potential = interaction_rule_of(c, m, n, p->relation, key_index("potential"));
+    if (rule < 0 || potential < 0)
+        return rule >= 0;
+    return interaction_rule_rank(&c->rules[rule], m, n, p->relation) >=
+           interaction_rule_rank(&c->rules[potential], m, n, p->relation);
 }
 
 static void warn_meaningless(const struct pair_check *p, const char *key)
 {
-    if (set(p, key))
+    if (given_for_potential(p, key))
         findings_warn(p->b->findings, key_place(p, key), "'%s' has no meaning for the potential %s", key,
                       potential_name(p->law.potential));
 }
@@ -75,15 +92,17 @@ static void check_potential(const struct pair_check *p)
         warn_meaningless(p, "epsilon");
         warn_meaningless(p, "sigma");
     } else if (set(p, "epsilon") != set(p, "sigma")) {
-        findings_error(p->b->findings, key_place(p, set(p, "epsilon") ? "epsilon" : "sigma"),
-                       "'epsilon' and 'sigma' go together, or neither is given and both follow from the stiffness");
+        findings_error(
+            p->b->findings, key_place(p, set(p, "epsilon") ? "epsilon" : "sigma"),
+            "'epsilon' and 'sigma' go together, or neither is given and both follow from the stiffness");
     }
     for (int i = 0; i < 2 && !morse; i++)
         if (binding_given(p->b, p->b->material_block[p->materials[i]], "s") && !set(p, "epsilon"))
-            findings_warn(p->b->findings, key_place(p, "potential"),
-                          "the potential %s has s = %s built in: only rho0 c0^2 of '%s' can be fitted, not its s",
-                          potential_name(p->law.potential), lj ? "3" : "0.375",
-                          p->b->config->materials[p->materials[i]].name);
+            findings_warn(
+                p->b->findings, key_place(p, "potential"),
+                "the potential %s has s = %s built in: only rho0 c0^2 of '%s' can be fitted, not its s",
+                potential_name(p->law.potential), lj ? "3" : "0.375",
+                p->b->config->materials[p->materials[i]].name);
 }
 
 /* Does the pair have a stiffness and, for Morse, a shape? */
@@ -98,14 +117,16 @@ static void check_calibration(const struct pair_check *p)
         /* Without rho0 and mass the material has its own finding. */
         bool massive = binding_given(p->b, block, "mass");
         for (int k = 0; k < 3; k++) {
-            if (!(k < 2 ? stiffness : shape) || !binding_missing(p->b, block, needed[k]) || (k == 0 && !massive))
+            if (!(k < 2 ? stiffness : shape) || !binding_missing(p->b, block, needed[k]) ||
+                (k == 0 && !massive))
                 continue;
-            findings_error(p->b->findings, binding_place(p->b, block, "", 0),
-                           k < 2 ? "the material '%s' lacks '%s', from which the stiffness of its pairs follows; "
-                                   "or give 'k', or 'epsilon' and 'sigma' of lennard-jones, in the interaction"
-                                 : "the material '%s' lacks '%s', from which the potential's shape follows; or give "
-                                   "'shape' in the interaction",
-                           name, needed[k]);
+            findings_error(
+                p->b->findings, binding_place(p->b, block, "", 0),
+                k < 2 ? "the material '%s' lacks '%s', from which the stiffness of its pairs follows; "
+                        "or give 'k', or 'epsilon' and 'sigma' of lennard-jones, in the interaction"
+                      : "the material '%s' lacks '%s', from which the potential's shape follows; or give "
+                        "'shape' in the interaction",
+                name, needed[k]);
         }
     }
 }
@@ -123,8 +144,8 @@ static void check_ranges(const struct pair_check *p)
                        number_text(p->law.cutoff, &a), number_text(c->r_c, &b));
     if ((p->law.linked || p->law.link_form > 0) && c->r_c < reach && c->r_c >= check_contact_distance(c))
         findings_error(p->b->findings, binding_place(p->b, p->b->single[BLOCK_DOMAIN], "r_c", 0),
-                       "r_c = %s cm is below %s cm, to where links stretch before they break at link_break",
-                       number_text(c->r_c, &a), number_text(reach, &b));
+                       "r_c = %s cm is below %g cm, to where links stretch before they break at link_break",
+                       number_text(c->r_c, &a), reach);
 }
 
 static void check_pair(const struct deck_binding *b, int m, int n, enum relation relation)

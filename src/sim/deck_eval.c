@@ -1,8 +1,9 @@
-/* Evaluation of expressions. Every operation checks dimensions and that its result is finite, and reports at its
- * own operator. Lets are evaluated when they are first asked for, so that their order does not matter; one that
- * is asked for while it is under way refers to itself.
+/* Evaluation of expressions. Every operation checks dimensions and that its result is finite, and reports at
+ * its own operator. Lets are evaluated when they are first asked for, so that their order does not matter;
+ * one that is asked for while it is under way refers to itself.
  *
- * Arithmetic is + - * / and sqrt on doubles: the same bits on every machine. A power is repeated multiplication. */
+ * Arithmetic is + - * / and sqrt on doubles: the same bits on every machine. A power is repeated
+ * multiplication. */
 #include <math.h>
 #include <string.h>
 
@@ -22,8 +23,8 @@ struct evaluation {
 
 static bool eval(struct evaluation *e, int32_t index, struct quantity *out);
 
-static bool fail_dimensions(struct evaluation *e, const struct deck_node *node, const char *what, struct quantity a,
-                            struct quantity b)
+static bool fail_dimensions(struct evaluation *e, const struct deck_node *node, const char *what,
+                            struct quantity a, struct quantity b)
 {
     struct dimension_text left, right;
     findings_error(e->findings, node->op_place, "cannot %s %s and %s", what, dimension_name(a.dim, &left),
@@ -47,12 +48,13 @@ static double power(double base, int n)
     return n < 0 ? 1 / product : product;
 }
 
-static bool eval_power(struct evaluation *e, const struct deck_node *node, struct quantity a, struct quantity b,
-                       struct quantity *out)
+static bool eval_power(struct evaluation *e, const struct deck_node *node, struct quantity a,
+                       struct quantity b, struct quantity *out)
 {
     if (!dimension_is_plain(b.dim) || b.value != floor(b.value) || fabs(b.value) > POWER_MAX) {
         findings_error(e->findings, node->op_place,
-                       "a power is a whole number from -%d to %d; for a root there is sqrt", POWER_MAX, POWER_MAX);
+                       "a power is a whole number from -%d to %d; for a root there is sqrt", POWER_MAX,
+                       POWER_MAX);
         return false;
     }
     int n = (int)b.value;
@@ -109,12 +111,15 @@ static bool eval_sqrt(struct evaluation *e, const struct deck_node *node, struct
         findings_error(e->findings, node->op_place, "square root of the negative number %g", x->value);
         return false;
     }
-    if (d.length % 2 != 0 || d.mass % 2 != 0 || d.time % 2 != 0 || d.temperature % 2 != 0 || d.amount % 2 != 0) {
-        findings_error(e->findings, node->op_place, "the square root of %s has no unit", dimension_name(d, &text));
+    if (d.length % 2 != 0 || d.mass % 2 != 0 || d.time % 2 != 0 || d.temperature % 2 != 0 ||
+        d.amount % 2 != 0) {
+        findings_error(e->findings, node->op_place, "the square root of %s has no unit",
+                       dimension_name(d, &text));
         return false;
     }
-    x->dim = (struct dimension){(signed char)(d.length / 2), (signed char)(d.mass / 2), (signed char)(d.time / 2),
-                                (signed char)(d.temperature / 2), (signed char)(d.amount / 2)};
+    x->dim =
+        (struct dimension){(signed char)(d.length / 2), (signed char)(d.mass / 2), (signed char)(d.time / 2),
+                           (signed char)(d.temperature / 2), (signed char)(d.amount / 2)};
     x->value = sqrt(x->value);
     return true;
 }

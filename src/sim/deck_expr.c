@@ -1,9 +1,10 @@
 /* Reading of expressions: precedence climbing over + - * / ^, unary minus, calls, numbers with units.
  *
- * A unit binds to the number before it more tightly than any operator, `a/400 m/s` is a/(400 m/s), and goes on as
- * long as * or / is followed by another unit. Node 0 is a bad node: every failure, that of memory too, returns it,
- * so that no caller meets an index that is none. Depth is bounded in the reader (recursion) and in the nodes (a long
- * chain of additions is a deep tree), so that the evaluation cannot exhaust the stack either. */
+ * A unit binds to the number before it more tightly than any operator, `a/400 m/s` is a/(400 m/s), and goes
+ * on as long as * or / is followed by another unit. Node 0 is a bad node: every failure, that of memory too,
+ * returns it, so that no caller meets an index that is none. Depth is bounded in the reader (recursion) and
+ * in the nodes (a long chain of additions is a deep tree), so that the evaluation cannot exhaust the stack
+ * either. */
 #include "dm2/sim/deck_expr.h"
 
 #include <math.h>
@@ -74,8 +75,8 @@ static int32_t too_deep(struct deck_parser *p, struct deck_place place)
 }
 
 /* The node of an operator on one or two nodes. */
-static int32_t node_op(struct deck_parser *p, enum node_kind kind, int op, struct deck_place op_place, int32_t a,
-                       int32_t b)
+static int32_t node_op(struct deck_parser *p, enum node_kind kind, int op, struct deck_place op_place,
+                       int32_t a, int32_t b)
 {
     const struct deck_node *nodes = p->tree->nodes;
     if (a == 0 || b == 0)
@@ -85,10 +86,16 @@ static int32_t node_op(struct deck_parser *p, enum node_kind kind, int op, struc
         depth = nodes[b].depth;
     if (depth >= DECK_MAX_DEPTH)
         return too_deep(p, op_place);
-    struct deck_place place = b > 0 ? place_span(nodes[a].place, nodes[b].place)
-                                    : place_span(op_place, nodes[a].place);
-    return node_new(p, (struct deck_node){.kind = kind, .op = op, .depth = depth + 1, .a = a, .b = b, .next = -1,
-                                          .place = place, .op_place = op_place});
+    struct deck_place place =
+        b > 0 ? place_span(nodes[a].place, nodes[b].place) : place_span(op_place, nodes[a].place);
+    return node_new(p, (struct deck_node){.kind = kind,
+                                          .op = op,
+                                          .depth = depth + 1,
+                                          .a = a,
+                                          .b = b,
+                                          .next = -1,
+                                          .place = place,
+                                          .op_place = op_place});
 }
 
 static bool token_unit(const struct deck_parser *p, const struct token *t, struct unit *out)
@@ -167,15 +174,22 @@ static int32_t parse_number(struct deck_parser *p)
                        number.value == 0 ? "small" : "large");
         return 0;
     }
-    return node_new(p, (struct deck_node){.kind = NODE_NUMBER, .depth = 1, .a = -1, .b = -1, .next = -1,
-                                          .place = place, .op_place = place, .number = number});
+    return node_new(p, (struct deck_node){.kind = NODE_NUMBER,
+                                          .depth = 1,
+                                          .a = -1,
+                                          .b = -1,
+                                          .next = -1,
+                                          .place = place,
+                                          .op_place = place,
+                                          .number = number});
 }
 
 static int32_t parse_leaf(struct deck_parser *p, enum node_kind kind)
 {
     struct deck_place place = parser_place(p, take(p));
-    return node_new(p, (struct deck_node){.kind = kind, .depth = 1, .a = -1, .b = -1, .next = -1, .place = place,
-                                          .op_place = place});
+    return node_new(
+        p, (struct deck_node){
+               .kind = kind, .depth = 1, .a = -1, .b = -1, .next = -1, .place = place, .op_place = place});
 }
 
 static int32_t parse_sum(struct deck_parser *p);
@@ -208,8 +222,14 @@ static int32_t times_unit(struct deck_parser *p, int32_t a)
         return a;
     struct deck_place place = place_span(parser_place(p, first), parser_place(p, last));
     struct quantity number = {unit_value("1", 1, unit), unit.dim};
-    int32_t b = node_new(p, (struct deck_node){.kind = NODE_NUMBER, .depth = 1, .a = -1, .b = -1, .next = -1,
-                                               .place = place, .op_place = place, .number = number});
+    int32_t b = node_new(p, (struct deck_node){.kind = NODE_NUMBER,
+                                               .depth = 1,
+                                               .a = -1,
+                                               .b = -1,
+                                               .next = -1,
+                                               .place = place,
+                                               .op_place = place,
+                                               .number = number});
     return node_op(p, NODE_BINARY, '*', place, a, b);
 }
 
@@ -268,8 +288,14 @@ static int32_t parse_call(struct deck_parser *p)
     if (depth >= DECK_MAX_DEPTH)
         return too_deep(p, name);
     struct deck_place all = place_span(name, parser_place(p, &p->tokens->items[p->at - 1]));
-    int32_t call = node_new(p, (struct deck_node){.kind = NODE_CALL, .op = function, .depth = depth + 1, .a = first,
-                                                  .b = -1, .next = -1, .place = all, .op_place = name});
+    int32_t call = node_new(p, (struct deck_node){.kind = NODE_CALL,
+                                                  .op = function,
+                                                  .depth = depth + 1,
+                                                  .a = first,
+                                                  .b = -1,
+                                                  .next = -1,
+                                                  .place = all,
+                                                  .op_place = name});
     return times_unit(p, call);
 }
 
@@ -294,7 +320,8 @@ static int32_t parse_primary(struct deck_parser *p)
     case TOKEN_BAD:
         return 0;
     default:
-        findings_error(p->findings, parser_place(p, t), "expected a value, found %s", parser_found(p, t, &found));
+        findings_error(p->findings, parser_place(p, t), "expected a value, found %s",
+                       parser_found(p, t, &found));
         return 0;
     }
 }

@@ -2,8 +2,8 @@
  * always ends in TOKEN_END, whatever the text held.
  *
  * A number must read to its end: `1.2.3`, `0x10` and `1e` are errors, never the number that a prefix of them
- * would be. A unit may follow without a blank (`3cm`), so what follows the digits is looked up as one; that is the
- * only knowledge that the lexer has of meaning. */
+ * would be. A unit may follow without a blank (`3cm`), so what follows the digits is looked up as one; that
+ * is the only knowledge that the lexer has of meaning. */
 #include "dm2/sim/deck_lex.h"
 
 #include <string.h>
@@ -16,6 +16,7 @@ struct lexer {
     size_t length, at;
     int text_index;
     bool spaced;
+    bool strange; /* a byte that belongs into no text was found: the first one is reported */
     size_t *budget;
     struct tokens *out;
     struct findings *findings;
@@ -51,7 +52,8 @@ static bool push(struct lexer *lex, int kind, size_t from, size_t to)
     }
     lex->out->items = block;
     if (kind != TOKEN_END && *lex->budget == 0) {
-        findings_error(lex->findings, place(lex, from, to), "the deck has more than %d tokens", DECK_MAX_TOKENS);
+        findings_error(lex->findings, place(lex, from, to), "the deck has more than %d tokens",
+                       DECK_MAX_TOKENS);
         return false;
     }
     if (kind != TOKEN_END)
@@ -101,8 +103,9 @@ static bool lex_number(struct lexer *lex)
     }
     struct unit unit;
     size_t suffix = word_end(lex, to);
-    bool reads = has_digit && peek(lex, suffix) != '.' &&
-                 (suffix == to || (is_letter(peek(lex, to)) && unit_find(lex->text + to, suffix - to, &unit)));
+    bool reads =
+        has_digit && peek(lex, suffix) != '.' &&
+        (suffix == to || (is_letter(peek(lex, to)) && unit_find(lex->text + to, suffix - to, &unit)));
     if (reads && to - from <= DECK_MAX_NUMBER)
         return push(lex, TOKEN_NUMBER, from, to);
     if (reads) {
@@ -137,6 +140,9 @@ static bool lex_stranger(struct lexer *lex)
         to++;
     struct place_text text;
     struct deck_place all = place(lex, from, to);
+    if (lex->strange)
+        return push(lex, TOKEN_BAD, from, to);
+    lex->strange = c < 0x20 || c >= 0x7f;
     if (c == 0)
         findings_error(lex->findings, all, "a NUL byte is no part of a deck: is this a binary file?");
     else if (c < 0x20 || c == 0x7f)
@@ -171,7 +177,13 @@ static bool lex_one(struct lexer *lex)
 bool deck_lex(const char *text, size_t length, int text_index, size_t *budget, struct tokens *out,
               struct findings *findings)
 {
-    struct lexer lex = {text, length, 0, text_index, true, budget, out, findings};
+    struct lexer lex = {.text = text,
+                        .length = length,
+                        .text_index = text_index,
+                        .spaced = true,
+                        .budget = budget,
+                        .out = out,
+                        .findings = findings};
     bool ok = true;
     while (ok && lex.at < length) {
         char c = text[lex.at];

@@ -1,9 +1,9 @@
-/* Statements: let, include, blocks and their entries. The parser recovers at the end of a statement (line end or
- * semicolon) or of a block, so that one mistake is one finding and the next mistake is still found. An entry whose
- * values do not read is kept and marked, so that it is not missed afterwards as well.
+/* Statements: let, include, blocks and their entries. The parser recovers at the end of a statement (line end
+ * or semicolon) or of a block, so that one mistake is one finding and the next mistake is still found. An
+ * entry whose values do not read is kept and marked, so that it is not missed afterwards as well.
  *
- * An included text is parsed where its `include` stands, once however often it is named; one that is under way
- * is a cycle. Names of texts are those of deck_source_include, which reader and parser share. */
+ * An included text is parsed where its `include` stands, once however often it is named; one that is under
+ * way is a cycle. Names of texts are those of deck_source_include, which reader and parser share. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -38,7 +38,8 @@ static void *append(struct findings *f, void *array, size_t *n, size_t *cap, siz
     ++*n;
     return item;
 }
-#define APPEND(f, tree, array) append(f, &(tree)->array, &(tree)->n_##array, &(tree)->cap_##array, sizeof *(tree)->array)
+#define APPEND(f, tree, array)                                                                               \
+    append(f, &(tree)->array, &(tree)->n_##array, &(tree)->cap_##array, sizeof *(tree)->array)
 
 static const struct token *current(const struct deck_parser *p)
 {
@@ -160,7 +161,8 @@ static void sort_lets(struct deck_tree *tree, struct findings *findings)
         qsort(tree->lets, tree->n_lets, sizeof tree->lets[0], compare_lets);
     for (size_t i = 1; i < tree->n_lets; i++)
         if (strcmp(tree->lets[i].name, tree->lets[i - 1].name) == 0)
-            findings_error(findings, tree->lets[i].place, "the let '%s' was defined before", tree->lets[i].name);
+            findings_error(findings, tree->lets[i].place, "the let '%s' was defined before",
+                           tree->lets[i].name);
 }
 
 struct deck_let *deck_tree_let(const struct deck_tree *tree, const char *name, size_t length)
@@ -219,7 +221,8 @@ static bool parse_defines(struct parse *parse)
         int text = (int)(source->n_texts + i);
         ok = deck_lex(source->defines[i], strlen(source->defines[i]), text, &parse->budget, &tokens,
                       parse->findings);
-        struct deck_parser p = {.tree = parse->tree, .findings = parse->findings, .tokens = &tokens, .text = text};
+        struct deck_parser p = {
+            .tree = parse->tree, .findings = parse->findings, .tokens = &tokens, .text = text};
         if (ok)
             parse_define(&p);
         free(tokens.items);
@@ -238,6 +241,13 @@ static void parse_values(struct deck_parser *p, size_t entry)
         /* A list goes on in the next line after a comma. */
         while (after_comma && current(p)->kind == TOKEN_NEWLINE)
             p->at++;
+        if (current(p)->kind == TOKEN_WORD && (current(p) + 1)->kind == '=') {
+            /* The next entry: it is read as one, so that this is one mistake. */
+            error_expected(p,
+                           tree->entries[entry].n == 0 ? "a value after '='" : "the end of the line or ';'");
+            tree->entries[entry].bad |= tree->entries[entry].n == 0;
+            return;
+        }
         int32_t node = expr_parse(p);
         int32_t *value = APPEND(p->findings, tree, values);
         if (node == 0 || value == NULL) {
@@ -265,6 +275,12 @@ static void parse_entry(struct deck_parser *p, size_t block)
     if (current(p)->kind != TOKEN_WORD) {
         error_expected(p, "a keyword or '}'");
         p->at += current(p)->kind == TOKEN_END ? 0u : 1u;
+        skip_statement(p);
+        return;
+    }
+    if (place_is(p->findings->source, key, "let") || place_is(p->findings->source, key, "include")) {
+        findings_error(p->findings, key, "'%s' stands outside of blocks",
+                       place_text(p->findings->source, key, &text));
         skip_statement(p);
         return;
     }
@@ -331,8 +347,9 @@ static void stray_entry(struct deck_parser *p)
     struct deck_place key = parser_place(p, current(p));
     struct place_text text;
     const char *block = schema_block_of_key(place_bytes(p->findings->source, key), key.length);
-    findings_error(p->findings, key, block != NULL ? "'%s' stands outside a block; it belongs into '%s { ... }'"
-                                                   : "'%s' stands outside a block; for a name of your own write let",
+    findings_error(p->findings, key,
+                   block != NULL ? "'%s' stands outside a block; it belongs into '%s { ... }'"
+                                 : "'%s' stands outside a block; for a name of your own write let",
                    place_text(p->findings->source, key, &text), block);
     skip_statement(p);
 }
@@ -368,7 +385,8 @@ static void parse_block(struct deck_parser *p)
     struct place_text text, found;
     if (current(p)->kind != '{') {
         if (current(p)->kind != TOKEN_BAD)
-            findings_error(p->findings, parser_place(p, current(p)), "expected '{' to open the block '%s', found %s",
+            findings_error(p->findings, parser_place(p, current(p)),
+                           "expected '{' to open the block '%s', found %s",
                            place_text(p->findings->source, word, &text), parser_found(p, current(p), &found));
         block->bad = true;
         skip_statement(p);
@@ -399,11 +417,13 @@ static void parse_include(struct parse *parse, struct deck_parser *p)
         return;
     }
     p->at++;
-    char *name = deck_source_include(source->texts[p->text].name, place_bytes(source, path) + 1, path.length - 2);
+    char *name =
+        deck_source_include(source->texts[p->text].name, place_bytes(source, path) + 1, path.length - 2);
     int text = name == NULL ? -1 : find_text(source, name);
     struct place_text shown;
     if (name == NULL)
-        findings_error(p->findings, path, "an included file lies beside the including one or below: "
+        findings_error(p->findings, path,
+                       "an included file lies beside the including one or below: "
                        "neither an absolute path nor '..'");
     else if (text < 0)
         findings_error(p->findings, path, "the included file %s is not among the deck's texts",
@@ -451,7 +471,8 @@ static bool parse_text(struct parse *parse, int text)
     struct tokens tokens = {0};
     parse->state[text] = TEXT_UNDER_WAY;
     bool ok = deck_lex(t->text, t->length, text, &parse->budget, &tokens, parse->findings);
-    struct deck_parser p = {.tree = parse->tree, .findings = parse->findings, .tokens = &tokens, .text = text};
+    struct deck_parser p = {
+        .tree = parse->tree, .findings = parse->findings, .tokens = &tokens, .text = text};
     p.tree->incomplete |= !ok;
     while (ok && !parse->findings->no_memory && current(&p)->kind != TOKEN_END)
         parse_statement(parse, &p);

@@ -1,5 +1,5 @@
-/* The table, and the few functions that read it. A keyword is declared here once; reading, defaults, limits, error
- * texts and the check of the manual follow from its line. */
+/* The table, and the few functions that read it. A keyword is declared here once; reading, defaults, limits,
+ * error texts and the check of the manual follow from its line. */
 #include "dm2/sim/deck_schema.h"
 
 #include <math.h>
@@ -11,25 +11,28 @@
 
 _Static_assert(sizeof(enum potential_kind) == sizeof(int), "a choice is stored as an int");
 
-#define DIM(l, m, t, k) {l, m, t, k, 0}
-#define PLAIN DIM(0, 0, 0, 0)
-#define LENGTH DIM(1, 0, 0, 0)
-#define MASS DIM(0, 1, 0, 0)
-#define TIME DIM(0, 0, 1, 0)
-#define TEMPERATURE DIM(0, 0, 0, 1)
+#define DIM(l, m, t, k)                                                                                      \
+    {                                                                                                        \
+        l, m, t, k, 0                                                                                        \
+    }
+#define PLAIN           DIM(0, 0, 0, 0)
+#define LENGTH          DIM(1, 0, 0, 0)
+#define MASS            DIM(0, 1, 0, 0)
+#define TIME            DIM(0, 0, 1, 0)
+#define TEMPERATURE     DIM(0, 0, 0, 1)
 #define PER_TEMPERATURE DIM(0, 0, 0, -1)
-#define VELOCITY DIM(1, 0, -1, 0)
-#define ACCELERATION DIM(1, 0, -2, 0)
-#define DENSITY DIM(-3, 1, 0, 0)
-#define STRESS DIM(-1, 1, -2, 0)
-#define PER_STRESS DIM(1, -1, 2, 0)
-#define STIFFNESS DIM(0, 1, -2, 0)
-#define ENERGY DIM(2, 1, -2, 0)
-#define HEAT_CAPACITY DIM(2, 0, -2, -1)
-#define CONDUCTIVITY DIM(1, 1, -3, -1)
+#define VELOCITY        DIM(1, 0, -1, 0)
+#define ACCELERATION    DIM(1, 0, -2, 0)
+#define DENSITY         DIM(-3, 1, 0, 0)
+#define STRESS          DIM(-1, 1, -2, 0)
+#define PER_STRESS      DIM(1, -1, 2, 0)
+#define STIFFNESS       DIM(0, 1, -2, 0)
+#define ENERGY          DIM(2, 1, -2, 0)
+#define HEAT_CAPACITY   DIM(2, 0, -2, -1)
+#define CONDUCTIVITY    DIM(1, 1, -3, -1)
 
-#define ANY .low = -HUGE_VAL, .high = HUGE_VAL
-#define POSITIVE .low = 0, .low_open = true, .high = HUGE_VAL
+#define ANY          .low = -HUGE_VAL, .high = HUGE_VAL
+#define POSITIVE     .low = 0, .low_open = true, .high = HUGE_VAL
 #define NOT_NEGATIVE .low = 0, .high = HUGE_VAL
 
 static const struct deck_key domain_keys[] = {
@@ -52,8 +55,8 @@ static const struct deck_key domain_keys[] = {
      .meaning = "0: lists are rebuilt when the elements' displacements demand it; K: also every K steps"},
     {"balance", VALUE_CHOICE, 1, PLAIN, ANY, .choices = "space|particles", .initial = "space",
      .offset = offsetof(struct config, balance), .meaning = "what the servers get equal parts of"},
-    {"gravity", VALUE_REAL, 2, ACCELERATION, ANY, .initial = "0 0", .offset = offsetof(struct config, gravity),
-     .meaning = "a constant acceleration of every element"},
+    {"gravity", VALUE_REAL, 2, ACCELERATION, ANY, .initial = "0 0",
+     .offset = offsetof(struct config, gravity), .meaning = "a constant acceleration of every element"},
 };
 
 static const struct deck_key time_keys[] = {
@@ -65,24 +68,26 @@ static const struct deck_key time_keys[] = {
 
 static const struct deck_key material_keys[] = {
     {"rho0", VALUE_REAL, 1, DENSITY, POSITIVE, .initial = "none: give `mass`",
-     .offset = offsetof(struct material_config, rho0), .meaning = "density; with the radius it makes an element's mass"},
-    {"mass", VALUE_REAL, 1, MASS, POSITIVE, .initial = "from `rho0`", .offset = offsetof(struct material_config, mass),
-     .meaning = "mass of one element, in place of `rho0`"},
+     .offset = offsetof(struct material_config, rho0),
+     .meaning = "density; with the radius it makes an element's mass"},
+    {"mass", VALUE_REAL, 1, MASS, POSITIVE, .initial = "from `rho0`",
+     .offset = offsetof(struct material_config, mass), .meaning = "mass of one element, in place of `rho0`"},
     {"c0", VALUE_REAL, 1, VELOCITY, POSITIVE, .initial = "none: the interaction gives `k` or `epsilon`",
      .offset = offsetof(struct material_config, c0), .meaning = "bulk sound speed: Us = c0 + s up"},
     {"s", VALUE_REAL, 1, PLAIN, NOT_NEGATIVE, .initial = "none: the interaction gives `shape`",
-     .offset = offsetof(struct material_config, s),
-     .meaning = "slope of the Hugoniot Us = c0 + s up"},
+     .offset = offsetof(struct material_config, s), .meaning = "slope of the Hugoniot Us = c0 + s up"},
     {"shear", VALUE_REAL, 1, STRESS, NOT_NEGATIVE, .initial = "none: no shear stiffness",
      .offset = offsetof(struct material_config, shear), .meaning = "shear modulus G"},
     {"yield", VALUE_REAL, 1, STRESS, NOT_NEGATIVE, .initial = "none: elastic without limit",
      .offset = offsetof(struct material_config, yield), .meaning = "yield stress Y of the shear resistance"},
     {"tensile", VALUE_REAL, 1, STRESS, NOT_NEGATIVE, .initial = "none: links break at `link_break` only",
-     .offset = offsetof(struct material_config, tensile), .meaning = "tensile strength Yt0 at the temperature t0"},
-    {"softening", VALUE_REAL, 1, PLAIN, POSITIVE, .initial = "1", .offset = offsetof(struct material_config, softening),
+     .offset = offsetof(struct material_config, tensile),
+     .meaning = "tensile strength Yt0 at the temperature t0"},
+    {"softening", VALUE_REAL, 1, PLAIN, POSITIVE, .initial = "1",
+     .offset = offsetof(struct material_config, softening),
      .meaning = "n in Yt(T) = tensile (1 - ((T - t0)/(tm - t0))^n)"},
-    {"t0", VALUE_REAL, 1, TEMPERATURE, NOT_NEGATIVE, .initial = "300", .offset = offsetof(struct material_config, t0),
-     .meaning = "reference temperature"},
+    {"t0", VALUE_REAL, 1, TEMPERATURE, NOT_NEGATIVE, .initial = "300",
+     .offset = offsetof(struct material_config, t0), .meaning = "reference temperature"},
     {"tm", VALUE_REAL, 1, TEMPERATURE, POSITIVE, .initial = "none: no softening",
      .offset = offsetof(struct material_config, tm), .meaning = "melting temperature, where strength ends"},
     {"cp", VALUE_REAL, 1, HEAT_CAPACITY, POSITIVE, .initial = "none: heat is counted, T stays",
@@ -97,9 +102,11 @@ static const struct deck_key interaction_keys[] = {
      FIELD(potential), .meaning = "law of the central force"},
     {"calibration", VALUE_CHOICE, 1, PLAIN, ANY, .choices = "uniaxial|bulk", .initial = "uniaxial",
      FIELD(calibration),
-     .meaning = "which lattice deformation is fitted to the Hugoniot data: plane shocks or isotropic compression"},
+     .meaning =
+         "which lattice deformation is fitted to the Hugoniot data: plane shocks or isotropic compression"},
     {"scope", VALUE_CHOICE, 1, PLAIN, ANY, .choices = "linked|all", .initial = "linked", FIELD(scope),
-     .meaning = "`linked`: linked or contacting pairs; `all`: every pair within `cutoff`, as in molecular dynamics"},
+     .meaning =
+         "`linked`: linked or contacting pairs; `all`: every pair within `cutoff`, as in molecular dynamics"},
     {"k", VALUE_REAL, 1, STIFFNESS, POSITIVE, .initial = "from rho0 and c0", FIELD(k),
      .meaning = "stiffness of the pair at its contact distance"},
     {"shape", VALUE_REAL, 1, PLAIN, POSITIVE, .initial = "from s", FIELD(shape),
@@ -108,10 +115,12 @@ static const struct deck_key interaction_keys[] = {
      .meaning = "depth of the Lennard-Jones potential"},
     {"sigma", VALUE_REAL, 1, LENGTH, POSITIVE, .initial = "from the radii", FIELD(sigma),
      .meaning = "length of the Lennard-Jones potential: it is 0 there"},
-    {"cutoff", VALUE_REAL, 1, LENGTH, POSITIVE, .initial = "r_c", FIELD(cutoff), .meaning = "range of scope `all`"},
+    {"cutoff", VALUE_REAL, 1, LENGTH, POSITIVE, .initial = "r_c", FIELD(cutoff),
+     .meaning = "range of scope `all`"},
     {"zeta", VALUE_REAL, 1, PLAIN, .low = 0, .high = 1, .high_open = true, .initial = "0", FIELD(zeta),
      .meaning = "central damping as a fraction of the critical one"},
-    {"a_p", VALUE_REAL, 1, PER_STRESS, ANY, .initial = "0", FIELD(a_p), .meaning = "change of damping with pressure"},
+    {"a_p", VALUE_REAL, 1, PER_STRESS, ANY, .initial = "0", FIELD(a_p),
+     .meaning = "change of damping with pressure"},
     {"a_t", VALUE_REAL, 1, PER_TEMPERATURE, ANY, .initial = "0", FIELD(a_t),
      .meaning = "change of damping with temperature"},
     {"ct_ratio", VALUE_REAL, 1, PLAIN, NOT_NEGATIVE, .initial = "0", FIELD(ct_ratio),
@@ -123,12 +132,13 @@ static const struct deck_key interaction_keys[] = {
      .meaning = "yield stress of the pair in shear"},
     {"tensile", VALUE_REAL, 1, STRESS, NOT_NEGATIVE, .initial = "the weaker material's", FIELD(tensile),
      .meaning = "tensile strength of the pair"},
-    {"link_form", VALUE_REAL, 1, PLAIN, .low = 0, .high = 1, .high_open = true, .initial = "0", FIELD(link_form),
-     .meaning = "a link forms at this fraction of the contact distance; 0: never"},
+    {"link_form", VALUE_REAL, 1, PLAIN, .low = 0, .high = 1, .high_open = true, .initial = "0",
+     FIELD(link_form), .meaning = "a link forms at this fraction of the contact distance; 0: never"},
     {"link_break", VALUE_REAL, 1, PLAIN, .low = 1, .high = HUGE_VAL, .initial = "1.05", FIELD(link_break),
      .meaning = "a link breaks at this multiple of the contact distance"},
-    {"linked", VALUE_FLAG, 1, PLAIN, ANY, .choices = "no|yes", .initial = "yes in a grain, no between grains and bodies",
-     FIELD(linked), .meaning = "do lattice neighbours start linked"},
+    {"linked", VALUE_FLAG, 1, PLAIN, ANY, .choices = "no|yes",
+     .initial = "yes in a grain, no between grains and bodies", FIELD(linked),
+     .meaning = "do lattice neighbours start linked"},
     {"conductance", VALUE_REAL, 1, PLAIN, NOT_NEGATIVE, .initial = "1", FIELD(conductance),
      .meaning = "factor on the heat conductivity of the pair"},
 };
@@ -137,19 +147,22 @@ static const struct deck_key interaction_keys[] = {
 #define FIELD(f) .offset = offsetof(struct body_config, f)
 static const struct deck_key body_keys[] = {
     {"shape", VALUE_SHAPE, 1, LENGTH, ANY, .required = true, FIELD(shape),
-     .meaning = "`rectangle x0 y0 x1 y1`, `disc x y radius` or `polygon x y x y x y ...`: where the centres of its "
-                "elements lie"},
-    {"lattice", VALUE_CHOICE, 1, PLAIN, ANY, .choices = "hexagonal|square", .initial = "hexagonal", FIELD(lattice),
-     .meaning = "how the elements are placed"},
+     .meaning =
+         "`rectangle x0 y0 x1 y1`, `disc x y radius` or `polygon x y x y x y ...`: where the centres of its "
+         "elements lie"},
+    {"lattice", VALUE_CHOICE, 1, PLAIN, ANY, .choices = "hexagonal|square", .initial = "hexagonal",
+     FIELD(lattice), .meaning = "how the elements are placed"},
     {"spacing", VALUE_REAL, 1, LENGTH, POSITIVE, .required = true, FIELD(spacing),
      .meaning = "distance of neighbours in a row"},
-    {"row_spacing", VALUE_REAL, 1, LENGTH, POSITIVE, .initial = "sqrt(3)/2 spacing; spacing on a square lattice",
-     FIELD(row_spacing), .meaning = "distance of rows"},
+    {"row_spacing", VALUE_REAL, 1, LENGTH, POSITIVE,
+     .initial = "sqrt(3)/2 spacing; spacing on a square lattice", FIELD(row_spacing),
+     .meaning = "distance of rows"},
     {"origin", VALUE_REAL, 2, LENGTH, ANY, .initial = "0 0", FIELD(origin),
      .meaning = "where one lattice site lies; bodies that share origin and spacing are one lattice"},
     {"angle", VALUE_REAL, 1, PLAIN, ANY, .initial = "0", FIELD(angle),
      .meaning = "of the rows against the x axis, in radians or with `deg`"},
-    {"radius", VALUE_REAL, 1, LENGTH, POSITIVE, .initial = "spacing/2", FIELD(radius), .meaning = "of the elements"},
+    {"radius", VALUE_REAL, 1, LENGTH, POSITIVE, .initial = "spacing/2", FIELD(radius),
+     .meaning = "of the elements"},
     {"material", VALUE_MATERIAL, 1, PLAIN, ANY, .initial = "none: give `mix`", FIELD(mix_material),
      .meaning = "what it is made of"},
     {"mix", VALUE_MIX, 1, PLAIN, .low = 0, .low_open = true, .high = 1, .initial = "none: give `material`",
@@ -162,7 +175,8 @@ static const struct deck_key body_keys[] = {
     {"velocity", VALUE_REAL, 2, VELOCITY, ANY, .initial = "0 0", FIELD(velocity),
      .meaning = "at the start, or for ever if driven"},
     {"jitter", VALUE_REAL, 1, VELOCITY, NOT_NEGATIVE, .initial = "0", FIELD(jitter),
-     .meaning = "random part of each element's velocity: each component is uniform within plus or minus this"},
+     .meaning =
+         "random part of each element's velocity: each component is uniform within plus or minus this"},
     {"temperature", VALUE_REAL, 1, TEMPERATURE, NOT_NEGATIVE, .initial = "300", FIELD(temperature),
      .meaning = "at the start"},
 };

@@ -1,18 +1,16 @@
 /* Reads a deck and the files that it includes, so that from there on a deck is plain texts that can travel.
  *
- * Includes are found by a look at the tokens: the word `include` at the beginning of a statement outside braces and a
- * string behind it. Anything odd about them is left to deck_load, which reports it with its place; only what cannot be
- * read from disk is an error here. A file included twice is read once, so that a cycle ends here too. */
+ * Includes are found by a look at the tokens: the word `include` at the beginning of a statement outside
+ * braces and a string behind it. Anything odd about them is left to deck_load, which reports it with its
+ * place; only what cannot be read from disk is an error here. A file included twice is read once, so that a
+ * cycle ends here too. */
 #include "dm2/sim/deck_source.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
+#include "dm2/base/file.h"
 #include "dm2/base/mem.h"
 #include "dm2/sim/deck.h"
 #include "dm2/sim/deck_lex.h"
@@ -66,53 +64,6 @@ char *deck_source_include(const char *includer, const char *path, size_t length)
     return name;
 }
 
-static enum dm2_status read_bytes(int fd, const char *path, struct deck_text *text, size_t room,
-                                  struct dm2_error *err)
-{
-    size_t cap = 0;
-    void *block = NULL;
-    for (;;) {
-        if (mem_grow(&block, &cap, text->length, text->length + 65536, 1) != 0) {
-            free(block);
-            return dm2_fail(err, DM2_MEMORY, "no memory to read %s", path);
-        }
-        text->text = block;
-        ssize_t n = read(fd, text->text + text->length, 65535);
-        if (n < 0 && errno == EINTR)
-            continue;
-        if (n < 0)
-            return dm2_fail(err, DM2_IO, "cannot read %s: %s", path, strerror(errno));
-        if (n == 0)
-            break;
-        text->length += (size_t)n;
-        if (text->length > room)
-            return dm2_fail(err, DM2_DECK, "%s makes the deck larger than %d MiB; is this the right file?", path,
-                            DECK_MAX_BYTES >> 20);
-    }
-    text->text[text->length] = '\0';
-    return DM2_OK;
-}
-
-/* Reads one file into *text. `by` says who asks for it, "" for the deck itself. */
-static enum dm2_status read_file(const char *path, const char *by, struct deck_text *text, size_t room,
-                                 struct dm2_error *err)
-{
-    /* Not to hang on a pipe that nobody writes. */
-    int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-    struct stat info;
-    if (fd < 0)
-        return dm2_fail(err, DM2_IO, "%scannot open the deck %s: %s", by, path, strerror(errno));
-    enum dm2_status status;
-    if (fstat(fd, &info) != 0)
-        status = dm2_fail(err, DM2_IO, "%scannot read %s: %s", by, path, strerror(errno));
-    else if (!S_ISREG(info.st_mode))
-        status = dm2_fail(err, DM2_IO, "%s%s is not a regular file; a deck is a text file", by, path);
-    else
-        status = read_bytes(fd, path, text, room, err);
-    (void)close(fd);
-    return status;
-}
-
 static bool have_text(const struct deck_source *source, const char *name)
 {
     for (size_t i = 0; i < source->n_texts; i++)
@@ -126,14 +77,20 @@ static enum dm2_status add_file(struct deck_source *source, char *name, const ch
                                 struct dm2_error *err)
 {
     struct deck_text text = {name, NULL, 0};
-    struct deck_text *texts = name == NULL ? NULL
-                                           : realloc(source->texts, (source->n_texts + 1) * sizeof *source->texts);
+    struct deck_text *texts =
+        name == NULL ? NULL : realloc(source->texts, (source->n_texts + 1) * sizeof *source->texts);
     if (texts == NULL) {
         free(name);
         return dm2_fail(err, DM2_MEMORY, "no memory to read the deck");
     }
     source->texts = texts;
-    enum dm2_status status = read_file(name, by, &text, *room, err);
+    unsigned char *bytes = NULL;
+    enum dm2_status status = file_read(name, *room, &bytes, &text.length, err);
+    text.text = (char *)bytes;
+    if (status != DM2_OK && err != NULL && by[0] != '\0') {
+        struct dm2_error why = *err;
+        (void)dm2_fail(err, status, "%s%s", by, why.text);
+    }
     *room -= text.length < *room ? text.length : *room;
     source->texts[source->n_texts++] = text;
     return status;

@@ -1,6 +1,6 @@
-/* The values of one entry, by its type in the schema. A value that does not read leaves one finding, marks its entry
- * bad, and leaves NaN (a real) or the default (anything else), so that later checks stay silent about it. */
-#include <inttypes.h>
+/* The values of one entry, by its type in the schema. A value that does not read leaves one finding, marks
+ * its entry bad, and leaves NaN (a real) or the default (anything else), so that later checks stay silent
+ * about it. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,11 +15,7 @@
 
 const char *number_text(double value, struct number_text *out)
 {
-    for (int digits = 15; digits <= 17; digits++) {
-        (void)snprintf(out->text, sizeof out->text, "%.*g", digits, value);
-        if (strtod(out->text, NULL) == value)
-            break;
-    }
+    (void)number_format(value, out->text);
     return out->text;
 }
 
@@ -40,13 +36,14 @@ static struct deck_place word_at(const struct deck_binding *b, const struct deck
     return place;
 }
 
-static bool count_is(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry, size_t want)
+static bool count_is(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
+                     size_t want)
 {
     if (entry->n == want)
         return true;
     struct deck_place place = entry->n > want ? node_at(b, entry, want)->place : entry->key;
-    findings_error(b->findings, place, "'%s' takes %zu value%s, found %zu", key->name, want, want == 1 ? "" : "s",
-                   entry->n);
+    findings_error(b->findings, place, "'%s' takes %zu value%s, found %zu", key->name, want,
+                   want == 1 ? "" : "s", entry->n);
     return false;
 }
 
@@ -69,18 +66,21 @@ static bool within(struct deck_binding *b, const struct deck_key *key, struct de
 {
     bool low = key->low_open ? value > key->low : value >= key->low;
     bool high = key->high_open ? value < key->high : value <= key->high;
+    bool plain = dimension_is_plain(key->dim);
     char limits[120];
     struct number_text text;
+    struct dimension_text unit;
     if (isinf(key->low) || (low && high))
         return true;
     limits_text(key, limits, sizeof limits);
-    findings_error(b->findings, place, "'%s' must be %s, but is %s", key->name, limits, number_text(value, &text));
+    findings_error(b->findings, place, "'%s' must be %s, but is %s%s%s", key->name, limits,
+                   number_text(value, &text), plain ? "" : " ", plain ? "" : dimension_unit(key->dim, &unit));
     return false;
 }
 
 /* One number of the keyword's dimension and within its limits. */
-static bool read_real(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry, size_t i,
-                      double *out)
+static bool read_real(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
+                      size_t i, double *out)
 {
     struct quantity q;
     struct dimension_text want, found;
@@ -88,8 +88,8 @@ static bool read_real(struct deck_binding *b, const struct deck_key *key, const 
     if (!expr_eval(b->tree, b->tree->values[entry->first + i], b->findings, &q))
         return false;
     if (!dimension_is_plain(q.dim) && !dimension_equal(q.dim, key->dim)) {
-        findings_error(b->findings, place, "'%s' is %s, this is %s", key->name, dimension_name(key->dim, &want),
-                       dimension_name(q.dim, &found));
+        findings_error(b->findings, place, "'%s' is %s, this is %s", key->name,
+                       dimension_name(key->dim, &want), dimension_name(q.dim, &found));
         return false;
     }
     if (!within(b, key, place, q.value))
@@ -98,16 +98,16 @@ static bool read_real(struct deck_binding *b, const struct deck_key *key, const 
     return true;
 }
 
-static bool read_whole(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry, size_t i,
-                       int64_t *out)
+static bool read_whole(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
+                       size_t i, int64_t *out)
 {
     double value;
     struct number_text text;
     if (!read_real(b, key, entry, i, &value))
         return false;
     if (value != floor(value) || value > WHOLE_MAX) {
-        findings_error(b->findings, node_at(b, entry, i)->place, "'%s' is a whole number up to 2^53, this is %s",
-                       key->name, number_text(value, &text));
+        findings_error(b->findings, node_at(b, entry, i)->place,
+                       "'%s' is a whole number up to 2^53, this is %s", key->name, number_text(value, &text));
         return false;
     }
     *out = (int64_t)value;
@@ -148,7 +148,8 @@ static int read_choice(struct deck_binding *b, const struct deck_key *key, struc
     return -1;
 }
 
-static bool read_reals(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry, double *out)
+static bool read_reals(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
+                       double *out)
 {
     bool ok = true;
     for (int i = 0; i < key->count; i++)
@@ -160,7 +161,8 @@ static bool read_reals(struct deck_binding *b, const struct deck_key *key, const
     return ok;
 }
 
-static bool read_words(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry, void *at)
+static bool read_words(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
+                       void *at)
 {
     bool ok = true;
     if (!count_is(b, key, entry, (size_t)key->count))
@@ -193,9 +195,11 @@ static bool read_polygon(struct deck_binding *b, const struct deck_key *key, con
     size_t n = entry->n - 1;
     struct deck_place word = node_at(b, entry, 0)->place;
     if (n % 2 != 0 || n < 6 || n > 2 * POLYGON_MAX) {
-        findings_error(b->findings, word, n % 2 != 0 ? "a polygon is x y pairs: found %zu numbers, one is without its pair"
-                                          : n < 6    ? "a polygon has at least 3 vertices: found %zu numbers"
-                                                     : "a polygon has at most 64 vertices: found %zu numbers", n);
+        findings_error(b->findings, word,
+                       n % 2 != 0 ? "a polygon is x y pairs: found %zu numbers, one is without its pair"
+                       : n < 6    ? "a polygon has at least 3 vertices: found %zu numbers"
+                                  : "a polygon has at most 64 vertices: found %zu numbers",
+                       n);
         return false;
     }
     bool ok = true;
@@ -216,7 +220,8 @@ static bool read_shape(struct deck_binding *b, const struct deck_key *key, const
     shape->kind = (enum shape_kind)kind;
     if (kind == SHAPE_POLYGON)
         return read_polygon(b, key, entry, shape);
-    if (!shape_count(b, entry, kind == SHAPE_RECTANGLE ? "a rectangle is x0 y0 x1 y1" : "a disc is x y radius",
+    if (!shape_count(b, entry,
+                     kind == SHAPE_RECTANGLE ? "a rectangle is x0 y0 x1 y1" : "a disc is x y radius",
                      kind == SHAPE_RECTANGLE ? 4 : 3))
         return false;
     for (size_t i = 0; i + 1 < entry->n; i++) {
@@ -243,7 +248,8 @@ int binding_material(struct deck_binding *b, struct deck_place name)
     struct place_text text;
     struct word_hint hint;
     if (!b->tree->incomplete)
-        findings_error(b->findings, name, "there is no material '%s'%s", place_text(b->tree->source, name, &text),
+        findings_error(b->findings, name, "there is no material '%s'%s",
+                       place_text(b->tree->source, name, &text),
                        words_hint(&known, bytes, name.length, &hint));
     return -1;
 }
@@ -252,9 +258,14 @@ static bool read_mix(struct deck_binding *b, const struct deck_key *key, const s
                      struct body_config *body)
 {
     if (entry->n % 2 != 0 || entry->n > 2 * MIX_MAX) {
-        findings_error(b->findings, entry->key, entry->n % 2 != 0
-                       ? "'mix' is materials, each with its fraction: found %zu values"
-                       : "'mix' takes at most 4 materials with their fractions: found %zu values", entry->n);
+        bool unit = false;
+        for (size_t i = 0; i < entry->n; i++)
+            unit = unit || !dimension_is_plain(node_at(b, entry, i)->number.dim);
+        findings_error(b->findings, entry->key,
+                       "'mix' is at most %d materials, each with its fraction: found %zu "
+                       "values%s",
+                       MIX_MAX, entry->n,
+                       unit ? "; a material's name was read as a unit: put commas, Ni 0.5, W 0.5" : "");
         return false;
     }
     bool ok = true;
@@ -265,7 +276,8 @@ static bool read_mix(struct deck_binding *b, const struct deck_key *key, const s
         ok = read_real(b, key, entry, 2 * i + 1, &body->mix_fraction[i]) && ok && body->mix_material[i] >= 0;
         for (size_t j = 0; j < i; j++) {
             if (body->mix_material[j] == body->mix_material[i] && body->mix_material[i] >= 0) {
-                findings_error(b->findings, name, "'%s' is in the mix twice", place_text(b->tree->source, name, &text));
+                findings_error(b->findings, name, "'%s' is in the mix twice",
+                               place_text(b->tree->source, name, &text));
                 ok = false;
             }
         }
@@ -333,7 +345,7 @@ bool value_read(struct deck_binding *b, const struct deck_key *key, struct deck_
     void *at = (char *)base + key->offset;
     struct config *config = base;
     bool ok = false;
-    switch (entry->bad ? (enum value_type)-1 : key->type) {
+    switch (entry->bad ? (enum value_type) - 1 : key->type) {
     case VALUE_REAL:
         ok = read_reals(b, key, entry, at);
         break;

@@ -183,7 +183,8 @@ static void put_caret(struct output *out, const char *line, size_t from, size_t 
     put_text(out, "\n");
 }
 
-static void put_line(struct output *out, const char *text, size_t length, size_t start, struct deck_place place)
+static void put_line(struct output *out, const char *text, size_t length, size_t start,
+                     struct deck_place place)
 {
     size_t end = start;
     while (end < length && text[end] != '\n')

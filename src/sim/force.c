@@ -69,46 +69,51 @@ static void near_measure(struct pass *pass, uint32_t i, uint32_t j, double dx, d
     pass->totals->contacts += e->contacting;
 }
 
-/* One row: the pairs of owned slot i. */
-DM2_INLINE void near_row(struct pass *pass, struct lists *l, uint32_t i, bool measure, bool spin, bool periodic)
+/* One pair: entry k of the row of owned slot i, whose sums may be kept apart. The plain path: every physics there is. */
+DM2_INLINE void near_pair(struct pass *pass, struct lists *l, uint32_t i, uint32_t k, int64_t *sums, bool measure, bool spin,
+                          bool periodic)
 {
     const struct model *m = pass->m;
     struct particles *p = pass->p;
     const double *r = p->r, *v = p->v;
-    double x = r[2 * i], y = r[2 * i + 1], radius = p->radius[i];
-    int64_t sums[SUM_COUNT] = {0};
-    for (uint32_t k = l->near.start[i]; k < l->near.start[i + 1]; k++) {
-        size_t j = l->near.j[k];
-        double dx = x - r[2 * j], dy = y - r[2 * j + 1];
-        if (periodic) {
-            dx = lists_wrap(dx, pass->period[0], pass->half[0]);
-            dy = lists_wrap(dy, pass->period[1], pass->half[1]);
-        }
-        double r2 = dx * dx + dy * dy, r0 = radius + p->radius[j];
-        if (r2 > r0 * r0 * (1.0 + 0x1p-40) && !lists_remembers(l, k))
-            continue; /* neither touches nor remembers: most near pairs that are not linked */
-        const struct pair_law *law =
-            model_law(m, p->kind[i], p->kind[j], relation_of(p->body[i], p->grain[i], p->body[j], p->grain[j]));
-        double distance = sqrt(r2), over = r2 > 0.0 ? 1.0 / distance : 0.0, nx = dx * over, ny = dy * over;
-        double dvx = v[2 * i] - v[2 * j], dvy = v[2 * i + 1] - v[2 * j + 1];
-        struct pair_view view = {.r = distance, .over_r = over, .radius_i = radius, .radius_j = p->radius[j],
-                                 .vn = dvx * nx + dvy * ny, .vt = dvy * nx - dvx * ny,
-                                 .w_i = p->w[i], .w_j = p->w[j], .mass_i = p->mass[i], .mass_j = p->mass[j],
-                                 .soft_i = p->soft[i], .soft_j = p->soft[j],
-                                 .t_i = p->temperature[i], .t_j = p->temperature[j], .p_i = p->p[i], .p_j = p->p[j]};
-        struct pair_state state = {.linked = l->linked[k], .stretch = l->stretch[k], .spring = l->spring[k]};
-        struct pair_effect effect;
-        pair_interact(law, &view, pass->dt_kick, pass->dt_path, &state, &effect);
-        l->linked[k] = state.linked;
-        l->stretch[k] = state.stretch;
-        l->spring[k] = state.spring;
-        if (!near_add(&m->fixed, sums, p->pair_sum + SUM_COUNT * j, nx, ny, &effect, spin))
-            note_bad(pass, i, (uint32_t)j);
-        if (measure)
-            near_measure(pass, i, (uint32_t)j, dx, dy, nx, ny, &effect, state.linked);
+    size_t j = l->near.j[k];
+    double dx = r[2 * i] - r[2 * j], dy = r[2 * i + 1] - r[2 * j + 1];
+    if (periodic) {
+        dx = lists_wrap(dx, pass->period[0], pass->half[0]);
+        dy = lists_wrap(dy, pass->period[1], pass->half[1]);
     }
+    double r2 = dx * dx + dy * dy, r0 = p->radius[i] + p->radius[j];
+    if (r2 > r0 * r0 * (1.0 + 0x1p-40) && !lists_remembers(l, k))
+        return; /* neither touches nor remembers: most near pairs that are not linked */
+    const struct pair_law *law =
+        model_law(m, p->kind[i], p->kind[j], relation_of(p->body[i], p->grain[i], p->body[j], p->grain[j]));
+    double distance = sqrt(r2), over = r2 > 0.0 ? 1.0 / distance : 0.0, nx = dx * over, ny = dy * over;
+    double dvx = v[2 * i] - v[2 * j], dvy = v[2 * i + 1] - v[2 * j + 1];
+    struct pair_view view = {.r = distance, .over_r = over, .radius_i = p->radius[i], .radius_j = p->radius[j],
+                             .vn = dvx * nx + dvy * ny, .vt = dvy * nx - dvx * ny,
+                             .w_i = p->w[i], .w_j = p->w[j], .mass_i = p->mass[i], .mass_j = p->mass[j],
+                             .soft_i = p->soft[i], .soft_j = p->soft[j],
+                             .t_i = p->temperature[i], .t_j = p->temperature[j], .p_i = p->p[i], .p_j = p->p[j]};
+    struct pair_state state = {.linked = l->linked[k], .stretch = l->stretch[k], .spring = l->spring[k]};
+    struct pair_effect effect;
+    pair_interact(law, &view, pass->dt_kick, pass->dt_path, &state, &effect);
+    l->linked[k] = state.linked;
+    l->stretch[k] = state.stretch;
+    l->spring[k] = state.spring;
+    if (!near_add(&m->fixed, sums, p->pair_sum + SUM_COUNT * j, nx, ny, &effect, spin))
+        note_bad(pass, i, (uint32_t)j);
+    if (measure)
+        near_measure(pass, i, (uint32_t)j, dx, dy, nx, ny, &effect, state.linked);
+}
+
+/* One row: the pairs of owned slot i. */
+DM2_INLINE void near_row(struct pass *pass, struct lists *l, uint32_t i, bool measure, bool spin, bool periodic)
+{
+    int64_t sums[SUM_COUNT] = {0};
+    for (uint32_t k = l->near.start[i]; k < l->near.start[i + 1]; k++)
+        near_pair(pass, l, i, k, sums, measure, spin, periodic);
     for (size_t s = 0; s < SUM_COUNT; s++)
-        p->pair_sum[SUM_COUNT * (size_t)i + s] += sums[s];
+        pass->p->pair_sum[SUM_COUNT * (size_t)i + s] += sums[s];
 }
 
 /* All rows, compiled for what each deck needs. */
@@ -138,6 +143,12 @@ DM2_WIDE static void near_central(struct pass *pass, struct lists *l)
     near_rows(pass, l, false, false, false);
 }
 
+/* What near_wide leaves to the plain path. */
+static void near_single(struct pass *pass, struct lists *l, uint32_t i, uint32_t k)
+{
+    near_pair(pass, l, i, k, pass->p->pair_sum + SUM_COUNT * (size_t)i, false, true, false);
+}
+
 static void near_evaluate(struct pass *pass, struct lists *l)
 {
     const struct model *m = pass->m;
@@ -145,6 +156,8 @@ static void near_evaluate(struct pass *pass, struct lists *l)
         near_measured(pass, l);
     else if (m->grid.periodic[0] || m->grid.periodic[1])
         near_periodic(pass, l);
+    else if (m->wide_near)
+        near_wide(pass, l, near_single);
     else if (m->has_spin)
         near_spinning(pass, l);
     else

@@ -8,7 +8,7 @@ static const struct {
     const char *name;
     int arguments;
 } functions[] = {
-    [FUNCTION_SQRT] = {"sqrt", 1},   [FUNCTION_ABS] = {"abs", 1},   [FUNCTION_MIN] = {"min", 2},
+    [FUNCTION_SQRT] = {"sqrt", 1},   [FUNCTION_ABS] = {"abs", 1},     [FUNCTION_MIN] = {"min", 2},
     [FUNCTION_MAX] = {"max", 2},     [FUNCTION_FLOOR] = {"floor", 1}, [FUNCTION_CEIL] = {"ceil", 1},
     [FUNCTION_ROUND] = {"round", 1},
 };

@@ -139,6 +139,9 @@ static void uniform_kinds(struct model *m)
                 law->cn_mass = law->cn * root;
                 law->ct_mass = law->ct * root;
                 law->bond = law_bond(law, radius[a] + radius[b]);
+                law->wide = law->scope == SCOPE_LINKED && law->potential == POTENTIAL_MORSE && law->a_p == 0.0 &&
+                            law->a_t == 0.0;
+                m->wide_near |= law->wide;
             }
         }
     }

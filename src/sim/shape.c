@@ -1,5 +1,5 @@
-/* Rectangles are treated as polygons of four vertices wherever that costs nothing. Comparisons are plain: the shapes
- * that matter here (two bodies of a deck) either clearly meet or share a border exactly. */
+/* Rectangles are treated as polygons of four vertices wherever that costs nothing. Comparisons are plain: the
+ * shapes that matter here (two bodies of a deck) either clearly meet or share a border exactly. */
 #include "dm2/sim/shape.h"
 
 #include <math.h>
@@ -120,9 +120,10 @@ static bool disc_overlaps(const struct shape_config *disc, const struct shape_co
     return false;
 }
 
-/* A point of the polygon's inside near vertex i's edge middle is in the other: the vertex itself may lie on a shared
- * border, so that edge middles and the centre of three vertices are asked. */
-static bool has_point_in(const struct outline *o, const struct shape_config *self, const struct shape_config *other)
+/* Is a point of the inside of `self` in the other? The vertices may lie on a shared border: the centre of
+ * each three in a row is asked, where it is inside. */
+static bool has_point_in(const struct outline *o, const struct shape_config *self,
+                         const struct shape_config *other)
 {
     for (size_t i = 0; i < o->n; i++) {
         const double *a = o->at[i], *b = o->at[(i + 1) % o->n], *c = o->at[(i + 2) % o->n];

@@ -1,6 +1,7 @@
-/* Every unit is a power of ten times the base unit, but for a few (eV, cal, atm, deg). The power of ten is kept
- * as an integer and goes into the decimal text of the number before it is converted: `4.602 km/s` becomes
- * strtod("4.602e-1"), the same double as `0.4602`, where a product with 0.1 could be one rounding away.
+/* Every unit is a power of ten times the base unit, but for a few (eV, cal, atm, deg). The power of ten is
+ * kept as an integer and goes into the decimal text of the number before it is converted: `4.602 km/s`
+ * becomes strtod("4.602e-1"), the same double as `0.4602`, where a product with 0.1 could be one rounding
+ * away.
  *
  * strtod of the C locale is correctly rounded in every libc that this program meets, so that a deck gives the
  * same bits everywhere. */
@@ -11,7 +12,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define DIM(l, m, t, k, n) {l, m, t, k, n}
+#define DIM(l, m, t, k, n)                                                                                   \
+    {                                                                                                        \
+        l, m, t, k, n                                                                                        \
+    }
 
 struct symbol {
     const char *name;
@@ -98,7 +102,8 @@ bool dimension_times(struct dimension a, struct dimension b, int power, struct d
     if (power < -1000 || power > 1000)
         return dimension_is_plain(b) && dimension_times(a, b, 0, out);
     return exponent_sum(a.length, b.length, power, &out->length) &&
-           exponent_sum(a.mass, b.mass, power, &out->mass) && exponent_sum(a.time, b.time, power, &out->time) &&
+           exponent_sum(a.mass, b.mass, power, &out->mass) &&
+           exponent_sum(a.time, b.time, power, &out->time) &&
            exponent_sum(a.temperature, b.temperature, power, &out->temperature) &&
            exponent_sum(a.amount, b.amount, power, &out->amount);
 }

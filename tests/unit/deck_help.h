@@ -2,6 +2,9 @@
 #ifndef DM2_TESTS_DECK_HELP_H
 #define DM2_TESTS_DECK_HELP_H
 
+#include <unistd.h>
+
+#include "check.h"
 #include "dm2/sim/deck.h"
 
 struct loaded {
@@ -9,6 +12,14 @@ struct loaded {
     struct config config;
     struct deck_report report;
 };
+
+/* Goes to the source tree, where docs, input and tests/decks are: DM2_SRC, or else where the test was started. */
+static inline void enter_source_tree(void)
+{
+    const char *tree = getenv("DM2_SRC");
+    if (tree != NULL && chdir(tree) != 0)
+        SKIP("there is no folder DM2_SRC");
+}
 
 /* Loads one text called "deck" with the given -D (NULL-terminated list, or NULL) and --steps. */
 static inline struct loaded load_text(const char *text, const char *const *defines, int64_t steps)

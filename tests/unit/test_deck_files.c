@@ -1,12 +1,14 @@
-/* Decks as files: every deck of tests/decks/bad gives the report beside it, byte for byte; those of tests/decks/good
- * and input/ load (good ones with the warnings beside them, if any); and no mutation of them makes the reader crash.
+/* Decks as files: every deck of tests/decks/bad gives the report beside it, byte for byte; those of
+ * tests/decks/good and input/ load (good ones with the warnings beside them, if any); and no mutation of them
+ * makes the reader crash.
  *
- * A first line `#: -D a=1 --steps 3` is a deck's command line. DM2_REWRITE=1 writes the reports instead of comparing
- * them: read the difference before you commit it. */
+ * A first line `#: -D a=1 --steps 3` is a deck's command line. DM2_REWRITE=1 writes the reports instead of
+ * comparing them: read the difference before you commit it. */
 #include <dirent.h>
 #include <unistd.h>
 
 #include "check.h"
+#include "deck_help.h"
 #include "dm2/base/mem.h"
 #include "dm2/sim/deck.h"
 
@@ -60,6 +62,7 @@ static int compare_names(const void *a, const void *b)
 /* The decks of a folder, sorted. */
 static size_t list_decks(const char *folder, char **names)
 {
+    enter_source_tree();
     DIR *dir = opendir(folder);
     size_t n = 0;
     CHECK(dir != NULL);
@@ -84,8 +87,8 @@ static void check_report(const char *name, const char *text, const char *suffix)
         return;
     }
     char *expected = read_all(path);
-    CHECK_REPORT(strcmp(text, expected == NULL ? "" : expected) == 0, "%s gives\n%sexpected (%s)\n%s", name, text,
-                 path, expected == NULL ? "(no such file)\n" : expected);
+    CHECK_REPORT(strcmp(text, expected == NULL ? "" : expected) == 0, "%s gives\n%sexpected (%s)\n%s", name,
+                 text, path, expected == NULL ? "(no such file)\n" : expected);
     free(expected);
 }
 

@@ -24,7 +24,8 @@ union simd_int_halves {
     simd_int2 half[2];
 };
 
-/* SIMD_JOIN: two halves as one. SIMD_EVEN, SIMD_ODD: lanes 0 and 2, or 1 and 3, of a and b in turn: a0 b0 a2 b2. */
+/* SIMD_JOIN: two halves as one. SIMD_EVEN, SIMD_ODD: lanes 0 and 2, or 1 and 3, of a and b in turn: a0 b0 a2 b2. SIMD_LOW, SIMD_HIGH: the
+ * first, or second, halves of a and of b. */
 #if defined(__has_builtin)
 #if __has_builtin(__builtin_shufflevector)
 #define DM2_HAS_SHUFFLE
@@ -34,10 +35,14 @@ union simd_int_halves {
 #define SIMD_JOIN(low, high) __builtin_shufflevector(low, high, 0, 1, 2, 3)
 #define SIMD_EVEN(a, b) __builtin_shufflevector(a, b, 0, 4, 2, 6)
 #define SIMD_ODD(a, b) __builtin_shufflevector(a, b, 1, 5, 3, 7)
+#define SIMD_LOW(a, b) __builtin_shufflevector(a, b, 0, 1, 4, 5)
+#define SIMD_HIGH(a, b) __builtin_shufflevector(a, b, 2, 3, 6, 7)
 #else
 #define SIMD_JOIN(low, high) ((simd_real){(low)[0], (low)[1], (high)[0], (high)[1]})
 #define SIMD_EVEN(a, b) __builtin_shuffle(a, b, (simd_int){0, 4, 2, 6})
 #define SIMD_ODD(a, b) __builtin_shuffle(a, b, (simd_int){1, 5, 3, 7})
+#define SIMD_LOW(a, b) __builtin_shuffle(a, b, (simd_int){0, 1, 4, 5})
+#define SIMD_HIGH(a, b) __builtin_shuffle(a, b, (simd_int){2, 3, 6, 7})
 #endif
 
 /* What a DM2_WIDE function calls must be inlined into each of its versions. */

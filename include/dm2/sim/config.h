@@ -30,7 +30,7 @@ struct material_config {
     double rho0;      /* density, g/cm3; NaN: `mass` is given instead */
     double mass;      /* mass of one element, g; NaN: from rho0 and the radius */
     double c0;        /* bulk sound speed of Us = c0 + s up, cm/us; NaN: interaction gives k or epsilon */
-    double s;         /* slope of Us = c0 + s up */
+    double s;         /* slope of Us = c0 + s up; NaN: interaction gives shape */
     double shear;     /* shear modulus G, Mbar; NaN: no shear stiffness from the material */
     double yield;     /* yield stress in shear Y, Mbar; NaN: elastic without limit */
     double tensile;   /* tensile strength Yt0, Mbar; NaN: links only break at link_break */
@@ -136,7 +136,7 @@ struct config {
     struct probe_config *probes;
     struct profile_config *profiles;
     struct output_config output;
-    struct interaction_rule *rules; /* in deck order; read with config_interaction */
+    struct interaction_rule *rules; /* read with config_interaction */
     size_t n_rules;
 };
 

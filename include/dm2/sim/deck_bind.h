@@ -3,6 +3,7 @@
 #ifndef DM2_SIM_DECK_BIND_H
 #define DM2_SIM_DECK_BIND_H
 
+#include "dm2/base/number.h"
 #include "dm2/sim/config.h"
 #include "dm2/sim/deck_schema.h"
 #include "dm2/sim/deck_tree.h"
@@ -14,14 +15,14 @@ struct deck_binding {
     struct deck_tree *tree;
     struct findings *findings;
     struct config *config;
-    bool steps_replaced;      /* by --steps */
-    enum block_kind *kinds;   /* of each block of the tree; BLOCK_COUNT: unknown */
+    bool steps_replaced;        /* by --steps */
+    enum block_kind *kinds;     /* of each block of the tree; BLOCK_COUNT: unknown */
     size_t single[BLOCK_COUNT]; /* index of the first block of a kind; tree->n_blocks: none */
     size_t *material_block, *body_block, *probe_block, *profile_block, *rule_block; /* of config->materials etc. */
 };
 
-/* Fills *b and b->config, both empty at the start but for tree, findings and config. A real value that was given but
- * does not read is NaN, any other such value its default. False: no memory. */
+/* Fills *b and b->config, both empty at the start but for tree, findings and config. A real value that was
+ * given but does not read is NaN, any other such value its default. False: no memory. */
 bool deck_bind(struct deck_binding *b, int64_t steps);
 void deck_binding_free(struct deck_binding *b);
 
@@ -45,7 +46,7 @@ int binding_material(struct deck_binding *b, struct deck_place name);
 
 /* A double as messages show it, with the fewest digits that read back. */
 struct number_text {
-    char text[32];
+    char text[NUMBER_TEXT_MAX];
 };
 const char *number_text(double value, struct number_text *out);
 

@@ -13,8 +13,8 @@ struct deck_parser {
     const struct tokens *tokens;
     size_t at;
     int text;
-    int parens;          /* open ones: line ends do not count inside */
-    size_t line_end;     /* the first line end that was passed over since; 0: none */
+    int parens;      /* open ones: line ends do not count inside */
+    size_t line_end; /* the first line end that was passed over since; 0: none */
     int depth;
 };
 
@@ -25,8 +25,9 @@ struct deck_place parser_place(const struct deck_parser *p, const struct token *
 /* "found ..." for messages. */
 const char *parser_found(const struct deck_parser *p, const struct token *t, struct place_text *out);
 
-/* Reads one expression and gives its node. Node 0 is the bad one: it was reported, and the caller skips to the
- * end of its statement. In a list of values, `a -b` ends before the minus (a blank before it and none behind). */
+/* Reads one expression and gives its node. Node 0 is the bad one: it was reported, and the caller skips to
+ * the end of its statement. In a list of values, `a -b` ends before the minus (a blank before it and none
+ * behind). */
 int32_t expr_parse(struct deck_parser *p);
 
 /* Evaluates. False: a finding was added, or was before. */

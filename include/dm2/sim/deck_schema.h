@@ -37,22 +37,22 @@ enum value_type {
 struct deck_key {
     const char *name;
     enum value_type type;
-    int count;               /* values of VALUE_REAL and VALUE_FLAG */
+    int count; /* values of VALUE_REAL and VALUE_FLAG */
     struct dimension dim;
-    double low, high;        /* limits of each value; infinite where there are none */
+    double low, high;         /* limits of each value; infinite where there are none */
     bool low_open, high_open; /* the limit itself is outside */
     bool required;
-    const char *choices;     /* "a|b|c" */
-    const char *initial;     /* the default as docs/deck.md says it: a value, or words where it is worked out or
-                              * absent; NULL: required */
-    size_t offset;           /* in the struct that the block fills; not for VALUE_SHAPE and below */
+    const char *choices; /* "a|b|c" */
+    const char *initial; /* the default as docs/deck.md says it: a value, or words where it is worked out or
+                          * absent; NULL: required */
+    size_t offset;       /* in the struct that the block fills; not for VALUE_SHAPE and below */
     const char *meaning;
 };
 
 struct block_schema {
     const char *name;
-    const char *names;  /* what stands between the word and the brace, for messages: "a name" */
-    bool single;        /* at most once in a deck */
+    const char *names; /* what stands between the word and the brace, for messages: "a name" */
+    bool single;       /* at most once in a deck */
     bool required;
     const struct deck_key *keys;
     size_t n_keys;
@@ -75,8 +75,8 @@ int schema_find_choice(const char *choices, const char *word, size_t length);
 /* Bytes that a stored value takes. */
 size_t schema_size(const struct deck_key *key);
 
-/* Fills in what the table says as defaults; NaN for a VALUE_REAL whose default is none or worked out, -1 for such
- * a VALUE_WHOLE. `base` is the struct that the block fills. */
+/* Fills in what the table says as defaults; NaN for a VALUE_REAL whose default is none or worked out, -1 for
+ * such a VALUE_WHOLE. `base` is the struct that the block fills. */
 void schema_defaults(const struct block_schema *block, void *base);
 
 /* For suggestions. */

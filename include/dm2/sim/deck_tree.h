@@ -1,5 +1,5 @@
-/* A deck as read: definitions, blocks, entries and their values as trees of nodes, each with its place, not yet
- * evaluated. */
+/* A deck as read: definitions, blocks, entries and their values as trees of nodes, each with its place, not
+ * yet evaluated. */
 #ifndef DM2_SIM_DECK_TREE_H
 #define DM2_SIM_DECK_TREE_H
 
@@ -59,21 +59,21 @@ struct deck_block {
 struct deck_tree {
     const struct deck_source *source;
     struct deck_node *nodes;
-    struct deck_let *lets;   /* in the order of their names once parsing is over */
-    int32_t *values;         /* nodes */
+    struct deck_let *lets; /* in the order of their names once parsing is over */
+    int32_t *values;       /* nodes */
     struct deck_place *names;
     struct deck_entry *entries;
     struct deck_block *blocks;
     size_t n_nodes, n_lets, n_values, n_names, n_entries, n_blocks;
     size_t cap_nodes, cap_lets, cap_values, cap_names, cap_entries, cap_blocks;
-    struct deck_place end;   /* of the main text: where what is missing is missed */
-    bool incomplete;         /* a text was left out: what is missing may be in there */
+    struct deck_place end; /* of the main text: where what is missing is missed */
+    bool incomplete;       /* a text was left out: what is missing may be in there */
 };
 
 void deck_tree_free(struct deck_tree *tree);
 
-/* Reads every text and definition of tree->source into *tree, empty but for it. What does not read is a finding
- * and left out or marked bad. False: no memory. */
+/* Reads every text and definition of tree->source into *tree, empty but for it. What does not read is a
+ * finding and left out or marked bad. False: no memory. */
 bool deck_parse(struct deck_tree *tree, struct findings *findings);
 
 /* The let of this name; NULL: none. Only once parsing is over. */

@@ -7,10 +7,10 @@
 #include "dm2/sim/config.h"
 
 struct interaction_rule {
-    int relation;      /* enum relation of an interface; -1: any */
-    int material[2];   /* -1 -1: any */
-    uint32_t set;      /* bit i: the block gives the i-th keyword of the schema's interaction, */
-    uint32_t bad;      /* bit i: but it does not read, and `value` has nothing for it */
+    int relation;    /* enum relation of an interface; -1: any */
+    int material[2]; /* -1 -1: any */
+    uint32_t set;    /* bit i: the block gives the i-th keyword of the schema's interaction, */
+    uint32_t bad;    /* bit i: but it does not read, and `value` has nothing for it */
     struct interaction_config value; /* of the set fields */
 };
 

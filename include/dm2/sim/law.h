@@ -37,6 +37,7 @@ struct pair_law {
     enum scope_kind scope;
     bool near;         /* does anything beyond a potential of scope `all`: it needs contact status and memory */
     bool initial_link; /* lattice neighbours start linked */
+    bool wide;         /* linked pairs may be taken four at a time: Morse, bond worked out, c_n constant */
     bool tangential;   /* any of kt, c_t, mu acts */
     double k;          /* stiffness at r0, Mbar cm */
     double shape;      /* Morse: alpha r0 */

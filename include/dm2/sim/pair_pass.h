@@ -60,4 +60,8 @@ static inline void add_virial(const struct pass *pass, uint32_t i, uint32_t j, d
 /* The potentials of scope `all` over the far list, into far_sum. */
 void far_evaluate(struct pass *pass, const struct half_list *list);
 
+/* The near pairs four at a time, where model->wide_near; `single` evaluates an entry of i's row by the plain path. */
+void near_wide(struct pass *pass, struct lists *lists,
+               void (*single)(struct pass *pass, struct lists *lists, uint32_t i, uint32_t k));
+
 #endif

@@ -6,8 +6,8 @@
 
 #include "dm2/sim/config.h"
 
-/* Does the shape contain the point? A rectangle and a polygon are half-open, so that shapes side by side share no
- * point and leave none out; a disc has its rim. */
+/* Does the shape contain the point? A rectangle and a polygon are half-open, so that shapes side by side
+ * share no point and leave none out; a disc has its rim. */
 bool shape_contains(const struct shape_config *shape, double x, double y);
 
 /* The smallest box around it: x0 y0 x1 y1. */

@@ -40,6 +40,7 @@ struct model {
     bool has_strain;       /* the deck asks for strain: velocities of mirrored elements matter */
     bool uniform_far;      /* one kind, one far law */
     bool wide_far;         /* and that law is a plain Lennard-Jones potential: rows of the far list are padded to fours */
+    bool wide_near;        /* the commonest laws allow near pairs to be taken four at a time */
     double far_cutoff;     /* largest cutoff of scope all, cm; 0 without */
     double radius_max;     /* largest radius of an element, cm */
     double link_form_max;

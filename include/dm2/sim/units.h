@@ -22,15 +22,17 @@ struct unit {
     int exponent;
 };
 
-/* The unit called `word`: a symbol, with an SI prefix where that makes sense, with a power from 2 to 9 behind it
+/* The unit called `word`: a symbol, with an SI prefix where that makes sense, with a power from 2 to 9 behind
+ * it
  * (`cm3`). False: there is none. */
 bool unit_find(const char *word, size_t length, struct unit *out);
 
 /* out = a * b^power. False: an exponent leaves -30 .. 30, or the factor leaves the range of a double. */
 bool unit_times(struct unit a, struct unit b, int power, struct unit *out);
 
-/* The number whose decimal digits are `digits` (checked by the caller: digits, a point, an exponent), in `unit`:
- * rounded once where the unit's factor is 1. inf: too large. 0 for digits that are not all 0: too small. */
+/* The number whose decimal digits are `digits` (checked by the caller: digits, a point, an exponent), in
+ * `unit`: rounded once where the unit's factor is 1. inf: too large. 0 for digits that are not all 0: too
+ * small. */
 double unit_value(const char *digits, size_t length, struct unit unit);
 
 bool dimension_equal(struct dimension a, struct dimension b);

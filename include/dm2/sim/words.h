@@ -19,8 +19,9 @@ struct word_hint {
 };
 const char *words_hint(const struct word_list *known, const char *word, size_t length, struct word_hint *out);
 
-/* Letters to change, insert, remove or swap with their neighbour to get from a to b, case counting half: in
- * halves. Words of more than 40 letters are as far as can be. */
+/* Letters to change, insert, remove or swap with their neighbour to get from a to b, times WORDS_LETTER; a
+ * letter of the wrong case counts 1. Words of more than 40 letters are as far apart as can be. */
+enum { WORDS_LETTER = 8 };
 int words_distance(const char *a, size_t n_a, const char *b, size_t n_b);
 
 /* Is `word` near enough to `known` for a suggestion? */
