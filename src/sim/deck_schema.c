@@ -191,7 +191,8 @@ static const struct deck_key probe_keys[] = {
 static const struct deck_key profile_keys[] = {
     {"axis", VALUE_CHOICE, 1, PLAIN, ANY, .required = true, .choices = "x|y", FIELD(axis),
      .meaning = "the axis that is cut into bins"},
-    {"bins", VALUE_WHOLE, 1, PLAIN, .low = 1, .high = 10000, .required = true, FIELD(bins), .meaning = "how many of them"},
+    {"bins", VALUE_WHOLE, 1, PLAIN, .low = 1, .high = 10000, .required = true, FIELD(bins),
+     .meaning = "how many bins"},
     {"range", VALUE_REAL, 2, LENGTH, ANY, .initial = "the domain", FIELD(range),
      .meaning = "from where to where the bins reach; elements outside are in none"},
     {"every", VALUE_WHOLE, 1, PLAIN, .low = 1, .high = HUGE_VAL, .initial = "steps/20, at least 1", FIELD(every),

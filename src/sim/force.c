@@ -47,12 +47,27 @@ DM2_INLINE bool near_add(const struct fixed_scales *s, int64_t *restrict a, int6
     return true;
 }
 
+/* A pair that touches or is linked counts in both elements' surroundings; r stays below link_break r0. */
+static void add_around(const struct pass *pass, uint32_t i, uint32_t j, double dx, double dy)
+{
+    double s = pass->m->fixed.around;
+    const int64_t part[AROUND_COUNT] = {[AROUND_XX] = to_fixed(dx * dx * s), [AROUND_YY] = to_fixed(dy * dy * s),
+                                        [AROUND_XY] = to_fixed(dx * dy * s), [AROUND_PAIRS] = 1};
+    int64_t *a = pass->p->around + AROUND_COUNT * (size_t)i, *b = pass->p->around + AROUND_COUNT * (size_t)j;
+    for (int k = 0; k < AROUND_COUNT; k++) {
+        a[k] += part[k];
+        b[k] += part[k];
+    }
+}
+
 static void near_measure(struct pass *pass, uint32_t i, uint32_t j, double dx, double dy, double nx, double ny,
                          const struct pair_effect *e, bool linked)
 {
     struct particles *p = pass->p;
     const struct fixed_scales *s = &pass->m->fixed;
     add_virial(pass, i, j, dx, dy, e->fn * nx - e->ft * ny, e->fn * ny + e->ft * nx);
+    if (linked || e->contacting)
+        add_around(pass, i, j, dx, dy);
     p->links[i] = (uint16_t)(p->links[i] + linked);
     p->links[j] = (uint16_t)(p->links[j] + linked);
     p->contacts[i] = (uint16_t)(p->contacts[i] + e->contacting);
@@ -178,6 +193,7 @@ enum dm2_status force_evaluate(const struct model *m, struct particles *p, struc
         return DM2_OK; /* and perhaps no array to clear */
     if (totals != NULL) {
         memset(p->virial, 0, p->n * 3 * sizeof *p->virial);
+        memset(p->around, 0, p->n * AROUND_COUNT * sizeof *p->around);
         memset(p->links, 0, p->n * sizeof *p->links);
         memset(p->contacts, 0, p->n * sizeof *p->contacts);
     }

@@ -38,7 +38,7 @@ static int larger_first(const void *a, const void *b)
     return fa->root < fb->root ? -1 : fa->root > fb->root;
 }
 
-/* The fragments in the order of their numbers; number[root] is set. `size` is zeroed room for n, returned as numbers. */
+/* The fragments in the order of their numbers. `size` comes as n zeros and leaves with the number of each root. */
 static size_t number_fragments(uint32_t *parent, size_t n, uint32_t *size, struct fragment *list)
 {
     size_t fragments = 0;

@@ -65,9 +65,25 @@ void leapfrog_whole_velocity(const struct model *m, const struct particles *p, s
     *w = p->w[i] + share * k.dw;
 }
 
+/* The volume of slot i among its neighbours. Six of them around it are the sides of a strained hexagonal cell: with
+ * M = sum r (x) r, which is 3 d^2 F F^T where the lattice is deformed by F, the cell's area is sqrt(det M)/(2 sqrt 3),
+ * exact for any homogeneous F. Else, at surfaces and in loose packings, it is the cell of the element at rest. */
+static double volume_of(const struct model *m, const struct particles *p, size_t i)
+{
+    const int64_t *s = p->around + AROUND_COUNT * i;
+    double d = 2.0 * p->radius[i], scale = m->fixed.around;
+    if (s[AROUND_PAIRS] == 6) {
+        double xx = (double)s[AROUND_XX] / scale, yy = (double)s[AROUND_YY] / scale, xy = (double)s[AROUND_XY] / scale;
+        double det = xx * yy - xy * xy;
+        if (det > 0.0)
+            return 0x1.279a74590331dp-2 * sqrt(det); /* 1/(2 sqrt(3)) */
+    }
+    return 0x1.bb67ae8584caap-1 * (d * d); /* sqrt(3)/2 d^2 h */
+}
+
 void leapfrog_stress(const struct model *m, const struct particles *p, size_t i, double stress[3])
 {
-    double d = 2.0 * p->radius[i], volume = 0x1.bb67ae8584caap-1 * (d * d); /* sqrt(3)/2 d^2 h */
+    double volume = volume_of(m, p, i);
     for (size_t a = 0; a < 3; a++)
         stress[a] = -0.5 * ((double)p->virial[3 * i + a] / m->fixed.virial) / volume;
 }

@@ -219,7 +219,7 @@ static void choose_scales(struct model *m)
     heat = heat > force * r0 ? heat : force * r0;
     m->fixed = (struct fixed_scales){.far_force = fixed_scale(force, 39), .force = fixed_scale(force, 45),
                                      .torque = fixed_scale(force * r0, 45), .heat = fixed_scale(heat, 56),
-                                     .virial = fixed_scale(force * r0, 45),
+                                     .virial = fixed_scale(force * r0, 45), .around = fixed_scale(r0 * r0, 44),
                                      .energy = fixed_scale(force * r0, 50), .energy_left = 30};
     m->fixed.over_far_force = 1.0 / m->fixed.far_force;
     m->fixed.over_force = 1.0 / m->fixed.force;
@@ -356,8 +356,8 @@ enum dm2_status model_build(const struct config *config, struct model **out, str
     m->has_strain = config->output.strain;
     if (status == DM2_OK && m->has_strain && !m->has_near)
         status = dm2_fail(err, DM2_DECK,
-                          "strain = yes measures the motion of linked or touching neighbours, and no interaction of this "
-                          "deck links or meets (scope = all): leave it out");
+                          "strain = yes measures the motion of linked or touching neighbours, and no interaction of "
+                          "this deck links or meets (scope = all): leave it out");
     if (status == DM2_OK)
         status = grid_build(config->origin, config->size, config->periodic, config->r_c + config->delta_r, &m->grid, err);
     if (status == DM2_OK)

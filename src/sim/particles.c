@@ -20,9 +20,10 @@ static const struct column columns[] = {
     COLUMN(id, 1),     COLUMN(grain, 1), COLUMN(kind, 1),  COLUMN(body, 1),    COLUMN(flags, 1),
     COLUMN(probes, 1), COLUMN(strain, 3), COLUMN(bonds, 1),
     /* what only one force evaluation needs */
-    COLUMN(far_sum, 2), COLUMN(pair_sum, SUM_COUNT), COLUMN(virial, 3), COLUMN(links, 1), COLUMN(contacts, 1),
+    COLUMN(far_sum, 2), COLUMN(pair_sum, SUM_COUNT), COLUMN(virial, 3), COLUMN(around, AROUND_COUNT),
+    COLUMN(links, 1), COLUMN(contacts, 1),
 };
-enum { COLUMNS = sizeof columns / sizeof columns[0], STATE_COLUMNS = COLUMNS - 5 };
+enum { COLUMNS = sizeof columns / sizeof columns[0], STATE_COLUMNS = COLUMNS - 6 };
 
 static void **column_of(struct particles *p, size_t c)
 {

@@ -1,5 +1,5 @@
-/* Sums over bins. Velocities are those of the whole step, as in the history; stress is that of leapfrog_stress, weighted
- * by the same volume that it was divided by, so that a bin's stress is its virial over its volume. */
+/* Sums over bins. Velocities are those of the whole step, as in the history; stress is that of leapfrog_stress,
+ * weighted by the same volume that it was divided by, so that a bin's stress is its virial over its volume. */
 #include "dm2/sim/profile.h"
 
 #include <math.h>
@@ -24,7 +24,8 @@ double profile_centre(const struct profile_config *c, size_t bin)
     return c->range[0] + ((double)bin + 0.5) * bin_width(c);
 }
 
-static bool add_element(const struct model *m, const struct particles *p, size_t i, int64_t step, struct profile_bin *bin)
+static bool add_element(const struct model *m, const struct particles *p, size_t i, int64_t step,
+                        struct profile_bin *bin)
 {
     const struct measure_scales *s = &m->scales;
     double v[2], w, stress[3], d = 2.0 * p->radius[i], volume = 0x1.bb67ae8584caap-1 * (d * d); /* sqrt(3)/2 d^2 h */
@@ -48,8 +49,8 @@ enum dm2_status profile_add(const struct model *m, const struct particles *p, co
         long bin = profile_bin_of(c, p->r[2 * i + (size_t)c->axis]);
         if (bin >= 0 && !add_element(m, p, i, step, &bins[bin]))
             return dm2_fail(err, DM2_NUMERIC,
-                            "step %lld: element %u at (%g, %g) cm left the range that the sums of profile '%s' can hold: the "
-                            "run is unstable; choose a smaller dt",
+                            "step %lld: element %u at (%g, %g) cm left the range that the sums of profile '%s' can "
+                            "hold: the run is unstable; choose a smaller dt",
                             (long long)step, p->id[i], p->r[2 * i], p->r[2 * i + 1], c->name);
     }
     return DM2_OK;

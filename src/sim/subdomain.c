@@ -62,7 +62,7 @@ struct subdomain {
     size_t n_leaving;      /* emigrants of the last sort_out, still in their slots until take_in */
     struct pair_totals totals;
     struct strain_sums strain;
-    bool measured;         /* totals, virial, links and contacts are of the present step */
+    bool measured;         /* totals, virial, surroundings, links and contacts are of the present step */
     struct subdomain_times times;
 };
 
@@ -560,7 +560,8 @@ size_t subdomain_mirrored(const struct subdomain *sd)
 size_t subdomain_bytes(const struct subdomain *sd)
 {
     size_t bytes = sizeof *sd + particles_bytes(&sd->p) + lists_bytes(&sd->lists) + cells_bytes(&sd->cells, &sd->map) +
-                   sd->cell_cap * sizeof *sd->cell_of + sd->strain.cap * STRAIN_SUMS * sizeof *sd->strain.sum + sd->ids.slots * 8;
+                   sd->cell_cap * sizeof *sd->cell_of +
+                   sd->strain.cap * STRAIN_SUMS * sizeof *sd->strain.sum + sd->ids.slots * 8;
     for (int r = 0; r < sd->map.ranks; r++)
         bytes += sd->peers[r].send.cap * sizeof(uint32_t) +
                  (sd->peers[r].migrants.cap + sd->peers[r].mirrors.cap) * sizeof(struct element) +
@@ -580,8 +581,8 @@ enum dm2_status subdomain_forces(struct subdomain *sd, bool measure, struct dm2_
     if (status == DM2_OK && sd->model->has_pressure)
         leapfrog_set_pressure(sd->model, &sd->p);
     if (status == DM2_OK && sd->model->has_strain)
-        status = strain_add(sd->model, &sd->p, &sd->lists, leapfrog_path_time(sd->model, sd->step), sd->step, &sd->strain,
-                            err);
+        status = strain_add(sd->model, &sd->p, &sd->lists, leapfrog_path_time(sd->model, sd->step), sd->step,
+                            &sd->strain, err);
     sd->measured = totals;
     sd->times.forces += clock_now() - started;
     return status;
@@ -632,13 +633,14 @@ static bool needs_velocity(const struct model *m)
 
 unsigned subdomain_update_fields(const struct model *m)
 {
-    return (needs_velocity(m) ? UPDATE_VELOCITY : 0u) | (m->has_spin ? UPDATE_SPIN : 0u) | (m->has_heat ? UPDATE_HEAT : 0u) |
-           (m->has_pressure ? UPDATE_PRESSURE : 0u);
+    return (needs_velocity(m) ? UPDATE_VELOCITY : 0u) | (m->has_spin ? UPDATE_SPIN : 0u) |
+           (m->has_heat ? UPDATE_HEAT : 0u) | (m->has_pressure ? UPDATE_PRESSURE : 0u);
 }
 
 size_t subdomain_update_width(const struct model *m)
 {
-    return 2u + (needs_velocity(m) ? 2u : 0u) + (m->has_spin ? 1u : 0u) + (m->has_heat ? 1u : 0u) + (m->has_pressure ? 1u : 0u);
+    return 2u + (needs_velocity(m) ? 2u : 0u) + (m->has_spin ? 1u : 0u) + (m->has_heat ? 1u : 0u) +
+           (m->has_pressure ? 1u : 0u);
 }
 
 size_t subdomain_send_count(const struct subdomain *sd, int dest)

@@ -1,4 +1,4 @@
-/* Profiles and probes of real states: bins, means that are known, conservation, the same sums on any number of ranks. */
+/* Profiles and probes of real states: bins, known means, conservation, the same sums on any number of ranks. */
 #include "engine_help.h"
 
 #include <math.h>
@@ -152,10 +152,11 @@ TEST(bad_blocks)
     refused("profile p { axis = x }", "lacks 'bins'");
     refused("profile p { axis = x; bins = 0 }", "'bins' must be at least 1 and at most 10000, but is 0");
     refused("profile p { axis = x; bins = 2.5 }", "'bins' is a whole number");
-    refused("profile p { axis = x; bins = 5; range = 0.5 0.5 }", "goes from a smaller to a larger coordinate, not from 0.5 to 0.5 cm");
+    refused("profile p { axis = x; bins = 5; range = 0.5 0.5 }",
+            "goes from a smaller to a larger coordinate, not from 0.5 to 0.5 cm");
     refused("profile p { axis = x; bins = 5; range = 1 us 2 cm }", "'range' is a length");
     refused("profile p { axis = x; bins = 5; every = 0 }", "'every' must be at least 1");
-    refused("profile { axis = x; bins = 5 }", "between 'profile' and '{' stands a name");
+    refused("profile { axis = x; bins = 5 }", "between 'profile' and '{' belongs a name");
     refused("profile p { axis = x; bins = 5 } profile p { axis = y; bins = 5 }", "there is a profile 'p' before");
     refused("profile p { axes = x; bins = 5 }", "'axes' is no keyword of 'profile'");
     refused("output { strain = maybe }", "'maybe' is no value of 'strain'");

@@ -381,7 +381,8 @@ TEST(end)
     scratch_end();
 }
 
-TEST_MAIN(CASE(begin), CASE(default_directory), CASE(steps_that_are_due), CASE(whole_run), CASE(history_rows), CASE(profile_rows),
+TEST_MAIN(CASE(begin), CASE(default_directory), CASE(steps_that_are_due), CASE(whole_run), CASE(history_rows),
+          CASE(profile_rows),
           CASE(not_empty_is_an_error), CASE(overwrite_replaces_only_our_files),
           CASE(abort_leaves_nothing_half_written), CASE(full_disk), CASE(directory_that_cannot_be_written),
           CASE(end))

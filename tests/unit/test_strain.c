@@ -123,8 +123,8 @@ TEST(neighbours_on_one_line_measure_nothing)
     static const char ROW[] = "domain { size = 0.8 0.2; r_c = 0.1; delta_r = 0.03 }\n"
                               "time { dt = 0.01; steps = 50 }\n"
                               "material m { rho0 = 8; c0 = 0.4; s = 1.4 }\n"
-                              "body row { shape = rectangle 0.1 0.1 0.7 0.12; spacing = 0.04; origin = 0 0.11; material = m;\n"
-                              "  jitter = 0.001 }\n"
+                              "body row { shape = rectangle 0.1 0.1 0.7 0.12; spacing = 0.04; origin = 0 0.11;\n"
+                              "  material = m; jitter = 0.001 }\n"
                               "output { strain = yes }\n";
     struct engine e;
     engine_start(&e, ROW, NULL, 1);
@@ -138,7 +138,8 @@ TEST(neighbours_on_one_line_measure_nothing)
 }
 
 /* A sheet that flies apart over a periodic seam, elements changing owner. */
-static const char SEAM[] = "domain { size = 1.2 0.52; r_c = 0.1; delta_r = 0.02; boundary = periodic free; rebuild_every = 3 }\n"
+static const char SEAM[] = "domain { size = 1.2 0.52; r_c = 0.1; delta_r = 0.02; boundary = periodic free;\n"
+                           "  rebuild_every = 3 }\n"
                            "time { dt = 0.02; steps = 60 }\n"
                            "material m { rho0 = 8; c0 = 0.4; s = 1.4; tensile = 0.01 }\n"
                            "interaction { link_break = 1.05 }\n"
@@ -178,7 +179,8 @@ TEST(without_linked_or_touching_pairs_it_is_refused)
     struct loaded deck = load_text("domain { size = 20 20; r_c = 2.5; delta_r = 0.25 }\n"
                                    "time { dt = 0.005; steps = 10 }\n"
                                    "material atom { mass = 1 }\n"
-                                   "interaction { potential = lennard-jones; scope = all; epsilon = 1; sigma = 0.9; linked = no }\n"
+                                   "interaction { potential = lennard-jones; scope = all; epsilon = 1; sigma = 0.9;\n"
+                                   "  linked = no }\n"
                                    "body sheet { shape = rectangle 1 1 9 9; spacing = 1; material = atom }\n"
                                    "output { strain = yes }\n", NULL, -1);
     struct model *model;

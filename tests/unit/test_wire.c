@@ -408,4 +408,5 @@ TEST(a_profile)
 
 TEST_MAIN(CASE(sizes), CASE(a_parcel_round_trip), CASE(elements_that_cannot_be), CASE(pairs_that_cannot_be),
           CASE(a_step_message_round_trip), CASE(a_deck_message_round_trip),
-          CASE(an_assign_message_round_trip), CASE(the_small_messages), CASE(a_state_is_compiled_from_parts), CASE(a_profile))
+          CASE(an_assign_message_round_trip), CASE(the_small_messages), CASE(a_state_is_compiled_from_parts),
+          CASE(a_profile))

@@ -27,7 +27,8 @@ enum dm2_status leapfrog_move(const struct model *m, struct particles *p, int64_
 /* Pressure of every owned element from the virial sums: P = -tr(sigma)/2 (docs/physics.md, section 12), into p->p. */
 void leapfrog_set_pressure(const struct model *m, struct particles *p);
 
-/* Stress of slot i, xx yy xy, Mbar: sigma = -(1/V) sum_j (1/2) r_ij (x) f_ij, V the hexagonal cell. */
+/* Stress of slot i, xx yy xy, Mbar: sigma = -(1/V) sum_j (1/2) r_ij (x) f_ij, V the element's hexagonal
+ * cell, as its neighbours have strained it. */
 void leapfrog_stress(const struct model *m, const struct particles *p, size_t i, double stress[3]);
 
 #endif

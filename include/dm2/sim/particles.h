@@ -22,6 +22,8 @@ enum pair_sum {
     SUM_COUNT
 };
 
+enum around_sum { AROUND_XX, AROUND_YY, AROUND_XY, AROUND_PAIRS, AROUND_COUNT };
+
 struct particles {
     size_t n_own; /* owned: [0, n_own) */
     size_t n;     /* all: mirrored are [n_own, n) */
@@ -42,6 +44,8 @@ struct particles {
     int64_t *far_sum;  /* [n][2] fixed-point force of the potentials of scope all */
     int64_t *pair_sum; /* [n][SUM_COUNT] fixed-point sums of everything else */
     int64_t *virial;   /* [n][3] fixed-point sum of r (x) f: xx, yy, xy; of the last measuring step */
+    int64_t *around;   /* [n][AROUND_COUNT] of the pairs that touch or are linked then: their number, and the fixed-point
+                          sum of r (x) r, which tells the area that an element has among its neighbours */
     uint16_t *links, *contacts; /* [n] of the last measuring step */
 };
 

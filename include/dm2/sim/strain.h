@@ -25,9 +25,9 @@ struct strain_sums {
 void strain_free(struct strain_sums *s);
 
 /* Adds to p->strain of every owned element what the time dt_path (us; 0: nothing) before the present positions did. The
- * status of pairs is that of the lists, so force_evaluate comes before; velocities of mirrored elements count. An element
- * whose neighbours lie on one line, or that has none, keeps its strain. DM2_MEMORY; DM2_NUMERIC: a difference of velocities
- * out of range, with id, step and position. */
+ * status of pairs is that of the lists, so force_evaluate comes before; velocities of mirrored elements count. An
+ * element whose neighbours lie on one line, or that has none, keeps its strain. DM2_MEMORY; DM2_NUMERIC: a difference
+ * of velocities out of range, with id, step and position. */
 enum dm2_status strain_add(const struct model *m, struct particles *p, const struct lists *lists, double dt_path,
                            int64_t step, struct strain_sums *s, struct dm2_error *err);
 

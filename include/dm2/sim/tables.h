@@ -21,7 +21,7 @@ struct kind {
 /* Fixed-point scales: a double times the scale, rounded, is what the 64-bit sums add. Powers of two. */
 struct fixed_scales {
     double over_far_force, over_force, over_torque, over_heat; /* reciprocals, exact */
-    double far_force, force, torque, heat, virial, energy;
+    double far_force, force, torque, heat, virial, around, energy;
     int energy_left; /* measure_scales.energy = log2(energy) + energy_left */
 };
 
