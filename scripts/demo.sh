@@ -10,7 +10,12 @@ picture=$build/demo.svg
 
 mkdir -p "$build"
 "$bin/dm2-client" input/plate-impact.dm2 -n 4 -o "$run" --overwrite
-"$bin/dm2-plot" snapshot "$run" -o "$picture"
+
+last=
+for snapshot in "$run"/snapshots/state-*.vtp; do
+    last=$snapshot # their names sort by step
+done
+"$bin/dm2-plot" snapshot "$last" --links --title 'Plate impact, 5 us' -o "$picture"
 
 printf '\n'
 printf 'The plate impact ran on 4 servers.\n'

@@ -6,6 +6,7 @@
 # A test is a program built from tests/unit/test_NAME.c (called unit_NAME, label unit) or a script
 # tests/e2e/NAME.sh (called e2e_NAME, label e2e unless a `# labels:` line of its opening comment says otherwise; its
 # time limit is 60 s unless a `# timeout:` line says otherwise). Exit status 0 is passed, 77 skipped, all else failed.
+# A script starts in an empty directory of its own, which is TMPDIR for either kind; a program at the source tree's top.
 #
 # One supervisor (tests/tools/supervise.c) per running test keeps its time and kills what it leaves behind. The
 # supervisors report through one fifo; each line that arrives starts the next test.
@@ -183,17 +184,21 @@ launch()
     fi
     mkdir "$scratch/$name"
     case $path in
-    "$tests"/*) set -- "$1" sh "$path" ;;
+    "$tests"/*)
+        set -- "$1" sh "$path"
+        here=$scratch/$name
+        ;;
     *)
         set -- "$1" "$path"
+        here=$DM2_SRC
         [ $memcheck = 0 ] || set -- "$1" valgrind -q --leak-check=full --error-exitcode=99 "$path"
         ;;
     esac
     index=$1
     shift
     (
-        cd "$scratch/$name" || exit 1
-        TMPDIR=$PWD
+        cd "$here" || exit 1
+        TMPDIR=$scratch/$name
         ASAN_OPTIONS=${ASAN_OPTIONS:+$ASAN_OPTIONS:}log_path=$logs/$name.sanitizer
         UBSAN_OPTIONS=${UBSAN_OPTIONS:+$UBSAN_OPTIONS:}print_stacktrace=1:log_path=$logs/$name.sanitizer
         TSAN_OPTIONS=${TSAN_OPTIONS:+$TSAN_OPTIONS:}log_path=$logs/$name.sanitizer
@@ -298,11 +303,15 @@ report()
 printf 'Test project %s (%s)\n' "$DM2_SRC" "$FLAVOUR"
 begin=$(date +%s)
 failed=0 failures= skips=
-next=1 running=0 done=0
+running=0 done=0
+# Long tests begin first, so that none of them is left to run alone at the end.
+# shellcheck disable=SC2046  # the numbers are words
+set -- $(printf '%s\n' "$chosen" | awk -F '\t' '$4 ~ /(^| )slow( |$)/ { print NR }') \
+    $(printf '%s\n' "$chosen" | awk -F '\t' '$4 !~ /(^| )slow( |$)/ { print NR }')
 while [ "$done" -lt "$total" ]; do
-    while [ "$running" -lt "$jobs" ] && [ "$next" -le "$total" ]; do
-        launch "$next"
-        next=$((next + 1))
+    while [ "$running" -lt "$jobs" ] && [ $# -gt 0 ]; do
+        launch "$1"
+        shift
         running=$((running + 1))
     done
     read -r index how code seconds <&3

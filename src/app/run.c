@@ -94,8 +94,10 @@ enum dm2_status run_load(const struct run_options *o, struct run *run, struct dm
     struct deck_report report = {0};
     *run = (struct run){0};
     enum dm2_status status = deck_source_read(o->deck, &run->source, err);
+    if (status == DM2_IO)
+        err->status = status = DM2_DECK; /* a deck that cannot be read is a wrong deck */
     if (status != DM2_OK)
-        return status == DM2_IO ? dm2_fail(err, DM2_DECK, "%.580s", err->text) : status;
+        return status;
     status = add_changes(o, &run->source, err);
     if (status == DM2_OK) {
         deck_digest(&run->source, run->digest);

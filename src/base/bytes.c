@@ -201,7 +201,9 @@ uint8_t bytes_get_u8(struct bytes_reader *r)
 uint16_t bytes_get_u16(struct bytes_reader *r)
 {
     const unsigned char *p = bytes_get_raw(r, 2);
-    return p == NULL ? 0 : (uint16_t)(p[0] | p[1] << 8);
+    if (p == NULL)
+        return 0;
+    return (uint16_t)(p[0] | p[1] << 8);
 }
 
 uint32_t bytes_get_u32(struct bytes_reader *r)

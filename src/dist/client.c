@@ -285,26 +285,28 @@ static enum dm2_status gather(struct client *c, enum message_type type, uint32_t
 {
     double since = clock_now(), note_at = note ? since + BUSY_SECONDS : -1;
     int awaited = 0;
-    for (int k = 0; k < c->ranks; k++)
+    enum dm2_status status = DM2_OK;
+    for (int k = 0; k < c->ranks && status == DM2_OK; k++) {
+        if (c->peers[k].awaited && channel_pending(&c->peers[k].channel)) /* came with the message before */
+            status = take_frames(c, k, type, limit, take, err);
         awaited += c->peers[k].awaited;
-    while (awaited > 0) {
+    }
+    while (awaited > 0 && status == DM2_OK) {
         int n;
-        enum dm2_status status = wait_for_any(c, since, note_at, &n, err);
+        status = wait_for_any(c, since, note_at, &n, err);
         for (int k = 0; k < n && status == DM2_OK; k++) {
             if (c->polls[k].revents == 0)
                 continue;
             status = take_frames(c, c->polled[k], type, limit, take, err);
             awaited -= !c->peers[c->polled[k]].awaited;
         }
-        if (status != DM2_OK)
-            return status;
-        if (note_at > 0 && clock_now() >= note_at) {
+        if (note_at > 0 && status == DM2_OK && clock_now() >= note_at) {
             note_busy(c);
             note_at = -1;
         }
     }
     c->report.wait += clock_now() - since;
-    return DM2_OK;
+    return status;
 }
 
 /* --- before the steps --------------------------------------------------------------------------------------

@@ -1,9 +1,9 @@
 /* Frames on a channel.
  *
- * Receiving is a small state machine over (header_got, payload_got) that may stop at any byte, so that a
- * client can serve many channels from one poll. Nothing is believed before it is checked: magic, version and
- * length as they come, the checksum when the payload is whole. The payload's memory doubles behind the bytes
- * that really arrive.
+ * Receiving reads whatever is there into one buffer, header and payload in one system call, and may stop at
+ * any byte, so that a client can serve many channels from one poll. Nothing is believed before it is checked:
+ * magic, version and length as they come, the checksum when the payload is whole. The buffer doubles behind
+ * the bytes that really arrive.
  *
  * Sending computes the checksum piecewise over the caller's parts and hands header and parts to one writev: a
  * message is one system call and none of its bytes is copied here. */
@@ -20,7 +20,7 @@
 #include "dm2/base/mem.h"
 
 enum {
-    PAYLOAD_FIRST = 65536,          /* first buffer, bytes */
+    BUFFER_FIRST = 65536,           /* first buffer, bytes */
     HANG_UP_MOST = 16 * 1024 * 1024 /* bytes of a peer that are discarded while hanging up */
 };
 
@@ -75,9 +75,9 @@ void channel_close(struct channel *ch)
 {
     socket_close(ch->fd);
     ch->fd = -1;
-    free(ch->payload);
-    ch->payload = NULL;
-    ch->payload_cap = 0;
+    free(ch->buffer);
+    ch->buffer = NULL;
+    ch->cap = ch->filled = ch->taken = 0;
 }
 
 void channel_hang_up(struct channel *ch, struct deadline until)
@@ -148,7 +148,7 @@ static enum dm2_status header_fault(const struct channel *ch, enum frame_fault f
     switch (fault) {
     case FRAME_STRANGER:
         for (int k = 0; k < 4; k++)
-            start[k] = ch->header[k] >= ' ' && ch->header[k] <= '~' ? (char)ch->header[k] : '.';
+            start[k] = ch->buffer[k] >= ' ' && ch->buffer[k] <= '~' ? (char)ch->buffer[k] : '.';
         return dm2_fail(err, DM2_PROTOCOL, "%s does not speak dm2's protocol: its message starts with '%s'",
                         ch->name, start);
     case FRAME_VERSION:
@@ -172,99 +172,112 @@ static enum dm2_status header_fault(const struct channel *ch, enum frame_fault f
     return DM2_OK;
 }
 
+/* Looks at the header as far as it is there. */
 static enum dm2_status check_header(struct channel *ch, uint32_t limit, struct dm2_error *err)
 {
-    if (ch->header_got >= 4 && get_le(ch->header, 4) != FRAME_MAGIC)
-        return header_fault(ch, FRAME_STRANGER, &ch->in, limit, err);
-    if (ch->header_got < FRAME_HEADER)
+    if (ch->header_good || ch->filled < 4)
         return DM2_OK;
-    return header_fault(ch, frame_header_decode(ch->header, ch->version, limit, &ch->in), &ch->in, limit,
+    if (get_le(ch->buffer, 4) != FRAME_MAGIC)
+        return header_fault(ch, FRAME_STRANGER, &ch->in, limit, err);
+    if (ch->filled < FRAME_HEADER)
+        return DM2_OK;
+    ch->header_good = true;
+    return header_fault(ch, frame_header_decode(ch->buffer, ch->version, limit, &ch->in), &ch->in, limit,
                         err);
 }
 
-/* Where the next bytes go: the header, or the payload with room made for them. */
-static enum dm2_status next_room(struct channel *ch, unsigned char **room, size_t *n, struct dm2_error *err)
+/* Reads what is there into the buffer, which grows when it is full. */
+static enum dm2_status read_more(struct channel *ch, size_t *got, struct dm2_error *err)
 {
-    if (ch->header_got < FRAME_HEADER) {
-        *room = ch->header + ch->header_got;
-        *n = FRAME_HEADER - ch->header_got;
-        return DM2_OK;
-    }
-    if (ch->payload_got == ch->payload_cap) {
-        size_t want = ch->payload_cap > 0 ? 2 * ch->payload_cap : PAYLOAD_FIRST;
-        void *block = ch->payload;
-        if (mem_grow(&block, &ch->payload_cap, ch->payload_got, want, 1) != 0)
+    struct dm2_error why = {0};
+    int closed = 0;
+    if (ch->filled == ch->cap) {
+        void *block = ch->buffer;
+        size_t want = ch->cap > 0 ? 2 * ch->cap : BUFFER_FIRST;
+        if (mem_grow(&block, &ch->cap, ch->filled, want, 1) != 0)
             return dm2_fail(err, DM2_MEMORY, "%s: no memory for a message of %u bytes", ch->name,
                             ch->in.length);
-        ch->payload = block;
+        ch->buffer = block;
     }
-    size_t left = ch->in.length - ch->payload_got, space = ch->payload_cap - ch->payload_got;
-    *room = ch->payload + ch->payload_got;
-    *n = left < space ? left : space;
+    enum dm2_status status =
+        socket_read_some(ch->fd, ch->buffer + ch->filled, ch->cap - ch->filled, got, &closed, &why);
+    if (status != DM2_OK)
+        return named(ch, status, &why, err);
+    if (closed)
+        return ch->filled > 0 ? header_fault(ch, FRAME_CUT, &ch->in, 0, err)
+                              : dm2_fail(err, DM2_NET, "%s closed the connection", ch->name);
+    if (*got > 0)
+        ch->heard = clock_now();
+    ch->filled += *got;
+    ch->bytes_in += *got;
     return DM2_OK;
 }
 
-static enum dm2_status finish_frame(struct channel *ch, struct frame *out, struct dm2_error *err)
+/* Forgets the frame that was handed out; what follows it moves to the start. */
+static void drop_taken(struct channel *ch)
 {
-    uint32_t crc = crc32c(0, ch->header, FRAME_HEADER - 4);
-    if (crc32c(crc, ch->payload, ch->in.length) != ch->in.checksum)
+    if (ch->taken == 0)
+        return;
+    ch->filled -= ch->taken;
+    memmove(ch->buffer, ch->buffer + ch->taken, ch->filled);
+    ch->taken = 0;
+    ch->header_good = false;
+}
+
+/* Is the frame whole? Then it is checked and handed out. */
+static enum dm2_status take_frame(struct channel *ch, bool *complete, struct frame *out,
+                                  struct dm2_error *err)
+{
+    *complete = ch->header_good && ch->filled - FRAME_HEADER >= ch->in.length;
+    if (!*complete)
+        return DM2_OK;
+    const unsigned char *payload = ch->buffer + FRAME_HEADER;
+    if (crc32c(crc32c(0, ch->buffer, FRAME_HEADER - 4), payload, ch->in.length) != ch->in.checksum)
         return header_fault(ch, FRAME_CHECKSUM, &ch->in, 0, err);
     *out = (struct frame){
-        .type = ch->in.type, .flags = ch->in.flags, .payload = ch->payload, .length = ch->in.length};
+        .type = ch->in.type, .flags = ch->in.flags, .payload = payload, .length = ch->in.length};
+    ch->taken = FRAME_HEADER + (size_t)ch->in.length;
     ch->frames_in++;
-    ch->header_got = ch->payload_got = 0;
     return DM2_OK;
+}
+
+bool channel_pending(const struct channel *ch)
+{
+    return ch->filled > ch->taken;
 }
 
 enum dm2_status channel_receive_some(struct channel *ch, uint32_t limit, bool *complete, struct frame *out,
                                      struct dm2_error *err)
 {
-    *complete = false;
+    drop_taken(ch);
     for (;;) {
-        if (ch->header_got == FRAME_HEADER && ch->payload_got == ch->in.length) {
-            *complete = true;
-            return finish_frame(ch, out, err);
-        }
-        unsigned char *room = NULL;
-        size_t want = 0, got = 0;
-        int closed = 0;
-        struct dm2_error why = {0};
-        bool in_header = ch->header_got < FRAME_HEADER;
-        enum dm2_status status = next_room(ch, &room, &want, err);
-        if (status != DM2_OK)
+        size_t got = 0;
+        enum dm2_status status = check_header(ch, limit, err);
+        if (status == DM2_OK)
+            status = take_frame(ch, complete, out, err);
+        if (status != DM2_OK || *complete)
             return status;
-        status = socket_read_some(ch->fd, room, want, &got, &closed, &why);
-        if (status != DM2_OK)
-            return named(ch, status, &why, err);
-        if (closed)
-            return ch->header_got > 0 ? header_fault(ch, FRAME_CUT, &ch->in, limit, err)
-                                      : dm2_fail(err, DM2_NET, "%s closed the connection", ch->name);
-        if (got == 0)
-            return DM2_OK;
-        ch->heard = clock_now();
-        ch->bytes_in += got;
-        if (in_header) {
-            ch->header_got += got;
-            status = check_header(ch, limit, err);
-            if (status != DM2_OK)
-                return status;
-        } else {
-            ch->payload_got += got;
-        }
+        status = read_more(ch, &got, err);
+        if (status != DM2_OK || got == 0)
+            return status;
     }
 }
 
+/* Waits before it reads: after a message that asks for an answer there is nothing to read yet. */
 enum dm2_status channel_receive(struct channel *ch, uint32_t limit, struct deadline until, struct frame *out,
                                 struct dm2_error *err)
 {
-    for (;;) {
-        bool complete = false;
+    bool complete = false;
+    drop_taken(ch);
+    enum dm2_status status = check_header(ch, limit, err);
+    if (status == DM2_OK)
+        status = take_frame(ch, &complete, out, err);
+    while (status == DM2_OK && !complete) {
         struct dm2_error why = {0};
-        enum dm2_status status = channel_receive_some(ch, limit, &complete, out, err);
-        if (status != DM2_OK || complete)
-            return status;
         status = socket_wait(ch->fd, POLLIN, until, &why);
         if (status != DM2_OK)
             return named(ch, status, &why, err);
+        status = channel_receive_some(ch, limit, &complete, out, err);
     }
+    return status;
 }

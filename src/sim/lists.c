@@ -11,6 +11,7 @@
 
 #include "dm2/base/mem.h"
 #include "dm2/base/simd.h"
+#include "dm2/sim/flaws.h"
 
 /* A link starts where lattice neighbours touch, give or take rounding of the deck's spacings. */
 static const double initial_reach = 1.02;
@@ -76,6 +77,16 @@ static void add_near(struct builder *b, uint32_t j, bool linked, double stretch,
     l->spring[at] = spring;
 }
 
+static bool link_missing(const struct builder *b, uint32_t i, uint32_t j)
+{
+    const struct particles *p = b->p;
+    struct link_end ends[2] = {{p->id[i], p->body[i], p->r + 2 * i}, {p->id[j], p->body[j], p->r + 2 * j}};
+    double apart[2];
+    for (size_t a = 0; a < 2; a++)
+        apart[a] = lists_wrap(p->r[2 * i + a] - p->r[2 * j + a], b->period[a], b->half[a]);
+    return flaws_miss(b->m->config, ends[0], ends[1], apart);
+}
+
 /* Is the pair worth a near entry, and does it start linked? */
 static void consider_near(struct builder *b, uint32_t i, uint32_t j, double r2)
 {
@@ -90,9 +101,12 @@ static void consider_near(struct builder *b, uint32_t i, uint32_t j, double r2)
     }
     if (!law->near)
         return;
-    bool linked = b->initial && law->initial_link && r2 <= (initial_reach * r0) * (initial_reach * r0);
+    bool linked = b->initial && law->initial_link && r2 <= (initial_reach * r0) * (initial_reach * r0) &&
+                  !link_missing(b, i, j);
+    /* Between grains neighbours are as far apart as the boundary left them: their links start without force. */
+    double stretch = linked && relation == RELATION_OTHER_GRAIN ? sqrt(r2) - r0 : 0.0;
     if (linked || r2 <= reach * reach)
-        add_near(b, j, linked, 0.0, 0.0);
+        add_near(b, j, linked, stretch, 0.0);
 }
 
 /* Room for one more row that may meet `candidates` elements. */

@@ -105,10 +105,10 @@ void particles_put(struct particles *p, const struct model *m, size_t i, const s
 
 int particles_permute(struct particles *p, const uint32_t *from, size_t n)
 {
-    if (n == 0)
-        return 0; /* a rank without an element may have no array yet */
     if (particles_reserve(p, n) != 0)
         return -1;
+    if (n == 0)
+        return 0;
     char *scratch = mem_alloc(n, 3 * sizeof(double)); /* the widest of the state columns */
     if (scratch == NULL)
         return -1;

@@ -1,4 +1,5 @@
 # A build outside the source tree, `make install` below DESTDIR, and `make uninstall`.
+# labels: e2e slow
 # timeout: 120
 . "$DM2_SRC/tests/lib.sh"
 
@@ -12,7 +13,8 @@ run_make()
 }
 
 run_make install
-for program in dm2-client dm2-server dm2-seq dm2-model dm2-plot; do
+for source in "$DM2_SRC"/src/app/dm2-*.c; do
+    program=$(basename "$source" .c)
     [ -x "root/opt/dm2/bin/$program" ] || fail "$program is not installed"
     expect_status 0 "root/opt/dm2/bin/$program" --version
     expect_text out "$program"

@@ -3,48 +3,50 @@
 # labels: check
 . "$DM2_SRC/tests/lib.sh"
 
-# may_include LAYER: the layers it may include from, itself among them.
-may_include()
-{
-    case $1 in
-    app) echo app dist sim net model plot base ;;
-    dist) echo dist sim net base ;;
-    sim | net | model | plot) echo "$1" base ;;
-    base) echo base ;;
-    esac
-}
-
 # check_tree DIR: prints one line per include that is not allowed.
 check_tree()
 {
     (
         cd "$1" || exit 1
-        find src include/dm2 -name '*.[ch]' | LC_ALL=C sort | while IFS= read -r file; do
-            layer=${file#src/}
-            layer=${layer#include/dm2/}
-            case $layer in
-            */*) layer=${layer%%/*} ;;
-            *) layer= ;;
-            esac
-            allowed=$(may_include "$layer")
-            [ -n "$allowed" ] || { echo "$file: is in no layer (base sim net dist model plot app)"; continue; }
-            sed -n 's/^[[:space:]]*#[[:space:]]*include[[:space:]]*\([<"].*[>"]\).*/\1/p' "$file" |
-                while IFS= read -r include; do
-                    target=$(printf '%s\n' "$include" | tr -d '<>"')
-                    case $include in
-                    '"dm2/'*/*)
-                        target=${target#dm2/}
-                        target=${target%%/*}
-                        case " $allowed " in
-                        *" $target "*) ;;
-                        *) echo "$file: $layer must not include from $target: $include" ;;
-                        esac
-                        ;;
-                    '"'*/* | '<dm2/'*) echo "$file: include headers of other layers as \"dm2/LAYER/MODULE.h\": $include" ;;
-                    '"'*) [ -f "$(dirname "$file")/$target" ] || echo "$file: $include is not beside it" ;;
-                    esac
-                done
-        done
+        find src include/dm2 -name '*.[ch]' | LC_ALL=C sort >"$TMPDIR/files"
+        xargs awk -v list="$TMPDIR/files" '
+        function wrong(why) { print FILENAME ": " why ": " $0 }
+        function layer_of(path) {
+            sub(/^(src|include\/dm2)\//, "", path)
+            if (path !~ /\//) return ""
+            sub(/\/.*/, "", path)
+            return path
+        }
+        BEGIN {
+            may["app"] = " app dist sim net model plot base "
+            may["dist"] = " dist sim net base "
+            may["sim"] = " sim base "
+            may["net"] = " net base "
+            may["model"] = " model base "
+            may["plot"] = " plot base "
+            may["base"] = " base "
+            while ((getline path < list) > 0) {
+                is_there[path] = 1
+                if (!(layer_of(path) in may)) print path ": is in no layer (base sim net dist model plot app)"
+            }
+        }
+        /^[ \t]*#[ \t]*include[ \t]*[<"]/ {
+            layer = layer_of(FILENAME)
+            if (!(layer in may)) next
+            match($0, /[<"][^>"]*/)
+            quote = substr($0, RSTART, 1)
+            target = substr($0, RSTART + 1, RLENGTH - 1)
+            if (quote == "\"" && target ~ /^dm2\/.*\//) {
+                target = layer_of("include/" target)
+                if (index(may[layer], " " target " ") == 0) wrong(layer " must not include from " target)
+            } else if (quote == "<" ? target ~ /^dm2\// : target ~ /\//) {
+                wrong("headers of other layers are included as \"dm2/LAYER/MODULE.h\"")
+            } else if (quote == "\"") {
+                beside = FILENAME
+                sub(/[^\/]*$/, "", beside)
+                if (!((beside target) in is_there)) wrong("is not beside it")
+            }
+        }' <"$TMPDIR/files"
     )
 }
 

@@ -37,13 +37,16 @@ expect_line()
 }
 
 program good <<'END'
-[ -z "$(ls -A)" ] || { echo "the working directory is not empty"; exit 1; }
+[ -z "$(ls -A "$TMPDIR")" ] || { echo "its directory is not empty"; exit 1; }
+[ "$PWD" = "$DM2_SRC" ] || { echo "it does not start at the top"; exit 1; }
+echo something >"$TMPDIR/left-over"
+END
+script nice <<'END'
+[ -n "$DM2_SRC" ] && [ -d "$DM2_SRC/tests/e2e" ] && [ "$FLAVOUR" = release ] || exit 1
+[ -z "$(ls -A)" ] || { echo "its directory is not empty"; exit 1; }
 [ "$PWD" = "$TMPDIR" ] || exit 1
 pwd >"$DM2_BUILD/where"
 echo something >left-over
-END
-script nice <<'END'
-[ -n "$DM2_SRC" ] && [ -d "$DM2_SRC/tests/e2e" ] && [ "$FLAVOUR" = release ]
 END
 
 # All is well.
@@ -67,7 +70,7 @@ last_line_is '100% tests passed, 0 tests failed out of 3'
 # A failure.
 program bad <<'END'
 echo "two is 3, expected 2"
-pwd >"$DM2_BUILD/bad-where"
+echo "$TMPDIR" >"$DM2_BUILD/bad-where"
 exit 1
 END
 run 1

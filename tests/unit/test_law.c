@@ -135,6 +135,7 @@ TEST(exchange_changes_signs_alone)
                                  .mass_j = 0.01 * (1.0 + uniform()), .soft_i = uniform(), .soft_j = uniform(),
                                  .t_i = 300.0 + 500.0 * uniform(), .t_j = 300.0 + 500.0 * uniform(), .p_i = uniform(),
                                  .p_j = uniform()};
+        view.over_r = 1.0 / view.r;
         struct pair_state s = {.linked = uniform() < 0.6, .stretch = 0.0, .spring = 0.004 * (uniform() - 0.5)}, start;
         if (s.linked && uniform() < 0.5)
             s.stretch = 0.1 * r0 * uniform();
@@ -143,6 +144,7 @@ TEST(exchange_changes_signs_alone)
         struct pair_effect one, two;
         pair_interact(&law, &view, 0.025, 0.025, &s, &one);
         struct pair_law other = swap_law(law);
+        view.over_r = 1.0 / view.r;
         struct pair_view back = swap_view(view);
         pair_interact(&other, &back, 0.025, 0.025, &t, &two);
         CHECK(s.linked == t.linked);
@@ -186,7 +188,7 @@ TEST(tension_yield_is_a_return_map)
         int steps = 40000;
         for (int k = 0; k <= 2 * steps; k++) { /* out by 10 %, and in by 3 % */
             double x = k <= steps ? (double)k / steps : 2.3 - 1.3 * (double)k / steps;
-            struct pair_view v = {.r = r0 * (1.0 + 0.1 * x), .radius_i = 0.5 * r0, .radius_j = 0.5 * r0, .mass_i = 1.0,
+            struct pair_view v = {.r = r0 * (1.0 + 0.1 * x), .over_r = 1.0 / (r0 * (1.0 + 0.1 * x)), .radius_i = 0.5 * r0, .radius_j = 0.5 * r0, .mass_i = 1.0,
                                   .mass_j = 1.0, .soft_i = 0.8, .soft_j = 0.9};
             pair_interact(&law, &v, 1.0, 1.0, &s, &e);
             if (k > 0)

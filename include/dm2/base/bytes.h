@@ -45,9 +45,11 @@ struct bytes_reader {
     bool failed; /* something asked for more bytes than there are, or a count that cannot be true */
 };
 
+/* A cursor at the start of the bytes; how many are left, 0 after a failure. */
 struct bytes_reader bytes_reader_of(const void *data, size_t length);
 size_t bytes_remaining(const struct bytes_reader *r);
 
+/* The next number; 0 after a failure. */
 uint8_t bytes_get_u8(struct bytes_reader *r);
 uint16_t bytes_get_u16(struct bytes_reader *r);
 uint32_t bytes_get_u32(struct bytes_reader *r);

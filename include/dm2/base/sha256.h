@@ -13,6 +13,7 @@ struct sha256 {
     unsigned char block[64];
 };
 
+/* A digest is made by start, any number of adds, and finish. */
 void sha256_start(struct sha256 *s);
 void sha256_add(struct sha256 *s, const void *data, size_t n);
 void sha256_finish(struct sha256 *s, unsigned char digest[SHA256_BYTES]);

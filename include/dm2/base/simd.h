@@ -24,8 +24,8 @@ union simd_int_halves {
     simd_int2 half[2];
 };
 
-/* SIMD_JOIN: two halves as one. SIMD_EVEN, SIMD_ODD: lanes 0 and 2, or 1 and 3, of a and b in turn: a0 b0 a2 b2. SIMD_LOW, SIMD_HIGH: the
- * first, or second, halves of a and of b. */
+/* SIMD_JOIN: two halves as one. SIMD_EVEN, SIMD_ODD: lanes 0 and 2, or 1 and 3, of a and b in turn: a0 b0 a2 b2.
+ * SIMD_LOW, SIMD_HIGH: the first, or second, halves of a and of b. */
 #if defined(__has_builtin)
 #if __has_builtin(__builtin_shufflevector)
 #define DM2_HAS_SHUFFLE

@@ -45,6 +45,7 @@ enum dm2_status decomposition_bisect(const struct grid *grid, int ranks, const u
 enum dm2_status decomposition_from_rects(const struct grid *grid, int ranks, const struct cell_rect *rects,
                                          struct decomposition *out, struct dm2_error *err);
 
+/* Frees what *d owns and empties it. */
 void decomposition_free(struct decomposition *d);
 
 /* The eight-element array: how many distinct other ranks own cells straight beyond each side, and diagonally
@@ -64,6 +65,7 @@ struct rank_boundary {
 enum dm2_status decomposition_boundary(const struct decomposition *d, int rank, struct rank_boundary *out,
                                        struct dm2_error *err);
 
+/* How many cells the rank owns. */
 size_t decomposition_cells(const struct decomposition *d, int rank);
 
 /* The sum of weights (elements per cell) over the rank's cells. */

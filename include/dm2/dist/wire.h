@@ -26,21 +26,26 @@ struct wire_limits {
     size_t elements, bodies, kinds;
 };
 
+/* Those of a run. */
 struct wire_limits wire_limits_of(const struct model *model);
 
 /* The owner's part of a mirror is neither sent nor kept: it reads as 0. */
 void wire_put_mirror(struct bytes_writer *w, const struct element *e);
 void wire_get_mirror(struct bytes_reader *r, const struct wire_limits *limits, struct element *out);
 
+/* The state of an element. */
 void wire_put_element(struct bytes_writer *w, const struct element *e);
 void wire_get_element(struct bytes_reader *r, const struct wire_limits *limits, struct element *out);
 
+/* The memory of a pair. */
 void wire_put_pair(struct bytes_writer *w, const struct pair_record *p);
 void wire_get_pair(struct bytes_reader *r, const struct wire_limits *limits, struct pair_record *out);
 
+/* What was measured of an element. */
 void wire_put_measured(struct bytes_writer *w, const struct element_measure *m);
 void wire_get_measured(struct bytes_reader *r, struct element_measure *out);
 
+/* What was measured of a whole subdomain. */
 void wire_put_measures(struct bytes_writer *w, const struct measures *m);
 void wire_get_measures(struct bytes_reader *r, struct measures *out);
 

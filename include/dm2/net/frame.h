@@ -59,11 +59,11 @@ struct channel {
     int fd;
     uint16_t version;
     char name[SOCKET_NAME]; /* the peer, for messages */
-    unsigned char header[FRAME_HEADER];
-    size_t header_got, payload_got;
+    unsigned char *buffer;  /* bytes as they came: a frame from the start on, then what already follows it */
+    size_t cap, filled;
+    size_t taken;     /* bytes of the frame that was handed out last; gone with the next receive */
+    bool header_good; /* the header at the start has been checked: `in` holds */
     struct frame_header in;
-    unsigned char *payload;
-    size_t payload_cap;
     double heard; /* clock_now() when the last byte came */
     uint64_t frames_in, frames_out, bytes_in, bytes_out;
 };
@@ -83,6 +83,9 @@ enum dm2_status channel_send_parts(struct channel *ch, uint8_t type, uint8_t fla
                                    size_t n_iov, struct deadline until, struct dm2_error *err);
 enum dm2_status channel_send(struct channel *ch, uint8_t type, uint8_t flags, const void *payload,
                              size_t length, struct deadline until, struct dm2_error *err);
+
+/* Have bytes behind the last frame come already? Then poll must not be asked before they are taken. */
+bool channel_pending(const struct channel *ch);
 
 /* Takes what has arrived, without waiting. *complete tells whether *out is a whole frame. DM2_PROTOCOL with
  * the fault, DM2_NET where the peer closed between frames or the connection broke. */

@@ -7,6 +7,7 @@
 #include "dm2/base/sha256.h"
 #include "dm2/sim/deck.h"
 
+/* The digest of a deck with its changes. */
 void deck_digest(const struct deck_source *source, unsigned char out[SHA256_BYTES]);
 
 #endif

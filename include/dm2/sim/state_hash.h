@@ -12,6 +12,7 @@
 #include "dm2/sim/element.h"
 #include "dm2/sim/subdomain.h"
 
+/* The hash of one record; equal for equal bits. */
 uint64_t state_hash_element(const struct element *e);
 uint64_t state_hash_pair(const struct pair_record *p);
 

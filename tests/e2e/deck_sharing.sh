@@ -1,0 +1,44 @@
+# How the deck gets to the servers: they read their own copy, or are sent the texts.
+. "$DM2_SRC/tests/lib.sh"
+
+client=$DM2_BIN/dm2-client
+mkdir here there outside
+cp "$DM2_SRC/tests/decks/run/scatter.dm2" here/deck.dm2
+cp here/deck.dm2 there/deck.dm2
+
+# The server has it.
+start_server --deck-dir there
+cd here || exit 1
+expect_status 0 "$client" deck.dm2 -q --server "$SERVER_ADDR" -o ../own --steps 3
+cd .. || exit 1
+
+# It has an older one: both digests are named, nothing runs, until the client's is sent.
+echo '# a change' >>there/deck.dm2
+cd here || exit 1
+expect_status 3 "$client" deck.dm2 --server "$SERVER_ADDR" -o ../differs --steps 3
+expect_text err "the deck 'deck.dm2' differs: digest "
+[ "$(grep -c -E 'digest [0-9a-f]{64} on the client, [0-9a-f]{64} on the server' err)" -eq 1 ] || fail "no two digests"
+expect_text err '--send-deck'
+expect_status 0 "$client" deck.dm2 -q --server "$SERVER_ADDR" -o ../sent --steps 3 --send-deck
+cd .. || exit 1
+same_bytes own/final.dm2 sent/final.dm2
+
+# It has none, or one that it must not reach: the texts are sent.
+mv there/deck.dm2 outside/secret.dm2
+ln -s ../outside/secret.dm2 there/secret.dm2
+ln -s ../outside there/link
+cp here/deck.dm2 here/secret.dm2
+mkdir here/link
+cp here/deck.dm2 here/link/secret.dm2
+cd here || exit 1
+for name in deck.dm2 ./deck.dm2 ../here/deck.dm2 "$PWD/deck.dm2" secret.dm2 link/secret.dm2; do
+    expect_status 0 "$client" "$name" -q --server "$SERVER_ADDR" -o ../none --overwrite --steps 3
+    same_bytes ../own/final.dm2 ../none/final.dm2
+done
+
+# The command line's changes go with it, whoever reads the deck.
+cp deck.dm2 ../there/
+expect_status 0 "$client" deck.dm2 -q --server "$SERVER_ADDR" -o ../defined --steps 3 -D delta=0.02
+expect_status 0 "$client" deck.dm2 -q --server "$SERVER_ADDR" -o ../defined-sent --steps 3 -D delta=0.02 --send-deck
+same_bytes ../defined/final.dm2 ../defined-sent/final.dm2
+! cmp -s ../own/final.dm2 ../defined/final.dm2 || fail "the definition changed nothing, not even the digest"

@@ -1,0 +1,84 @@
+/* The ends of a connection that the tests play themselves.
+ *
+ *     tcp send PORT     connects to 127.0.0.1, sends standard input, ends its stream, prints what comes back
+ *     tcp hold PORT     connects, prints "connected", and does nothing until standard input ends
+ *     tcp answer        listens on a free port, prints it, takes one connection, sends standard input
+ *                       at once, and waits for the other end to close
+ *
+ * Everything ends after 30 seconds. Exit status 0 unless there was no connection. */
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "dm2/net/socket.h"
+
+static struct deadline until;
+
+/* Copies standard input to the connection. */
+static void send_input(int fd)
+{
+    char buffer[4096];
+    for (;;) {
+        ssize_t n = read(STDIN_FILENO, buffer, sizeof buffer);
+        struct iovec part = {buffer, n > 0 ? (size_t)n : 0};
+        if (n <= 0 || socket_write_all(fd, &part, 1, until, NULL) != DM2_OK)
+            return;
+    }
+}
+
+/* Prints what comes until the other end closes. */
+static void print_rest(int fd)
+{
+    char buffer[4096];
+    size_t got = 0;
+    int closed = 0;
+    while (!closed && socket_wait(fd, POLLIN, until, NULL) == DM2_OK &&
+           socket_read_some(fd, buffer, sizeof buffer, &got, &closed, NULL) == DM2_OK)
+        (void)fwrite(buffer, 1, got, stdout);
+}
+
+static int answer(void)
+{
+    int listener = -1, fd = -1;
+    char bound[SOCKET_NAME], peer[SOCKET_NAME];
+    if (socket_listen("127.0.0.1", 0, &listener, bound, NULL) != DM2_OK)
+        return 1;
+    (void)printf("%s\n", strrchr(bound, ':') + 1);
+    (void)fflush(stdout);
+    if (socket_accept(listener, until, &fd, peer, NULL) != DM2_OK || fd < 0)
+        return 1;
+    send_input(fd);
+    print_rest(fd);
+    return 0;
+}
+
+int main(int argc, char **argv)
+{
+    struct dm2_error err = {0};
+    int fd = -1;
+    until = deadline_in(30, -1);
+    socket_ignore_sigpipe();
+    if (argc == 2 && strcmp(argv[1], "answer") == 0)
+        return answer();
+    if (argc != 3)
+        return 2;
+    if (socket_connect("127.0.0.1", (int)strtol(argv[2], NULL, 10), until, &fd, &err) != DM2_OK) {
+        (void)fprintf(stderr, "%s\n", err.text);
+        return 1;
+    }
+    if (strcmp(argv[1], "hold") == 0) {
+        char waste[256];
+        (void)printf("connected\n");
+        (void)fflush(stdout);
+        while (read(STDIN_FILENO, waste, sizeof waste) > 0)
+            continue;
+        return 0;
+    }
+    send_input(fd);
+    (void)shutdown(fd, SHUT_WR);
+    print_rest(fd);
+    return 0;
+}
