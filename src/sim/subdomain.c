@@ -22,6 +22,7 @@
 #include "dm2/sim/generate.h"
 #include "dm2/sim/leapfrog.h"
 #include "dm2/sim/lists.h"
+#include "dm2/sim/strain.h"
 
 struct element_array {
     struct element *item;
@@ -60,6 +61,7 @@ struct subdomain {
     size_t cell_cap;
     size_t n_leaving;      /* emigrants of the last sort_out, still in their slots until take_in */
     struct pair_totals totals;
+    struct strain_sums strain;
     bool measured;         /* totals, virial, surroundings, links and contacts are of the present step */
     struct subdomain_times times;
 };
@@ -534,6 +536,7 @@ void subdomain_free(struct subdomain *sd)
     cells_free(&sd->cells);
     particles_free(&sd->p);
     lists_free(&sd->lists);
+    strain_free(&sd->strain);
     idmap_free(&sd->ids);
     free(sd->cell_of);
     free(sd);
@@ -557,7 +560,8 @@ size_t subdomain_mirrored(const struct subdomain *sd)
 size_t subdomain_bytes(const struct subdomain *sd)
 {
     size_t bytes = sizeof *sd + particles_bytes(&sd->p) + lists_bytes(&sd->lists) + cells_bytes(&sd->cells, &sd->map) +
-                   sd->cell_cap * sizeof *sd->cell_of + sd->ids.slots * 8;
+                   sd->cell_cap * sizeof *sd->cell_of +
+                   sd->strain.cap * STRAIN_SUMS * sizeof *sd->strain.sum + sd->ids.slots * 8;
     for (int r = 0; r < sd->map.ranks; r++)
         bytes += sd->peers[r].send.cap * sizeof(uint32_t) +
                  (sd->peers[r].migrants.cap + sd->peers[r].mirrors.cap) * sizeof(struct element) +
@@ -576,6 +580,9 @@ enum dm2_status subdomain_forces(struct subdomain *sd, bool measure, struct dm2_
                        leapfrog_path_time(sd->model, sd->step), totals ? &sd->totals : NULL, sd->step, err);
     if (status == DM2_OK && sd->model->has_pressure)
         leapfrog_set_pressure(sd->model, &sd->p);
+    if (status == DM2_OK && sd->model->has_strain)
+        status = strain_add(sd->model, &sd->p, &sd->lists, leapfrog_path_time(sd->model, sd->step), sd->step,
+                            &sd->strain, err);
     sd->measured = totals;
     sd->times.forces += clock_now() - started;
     return status;
@@ -610,17 +617,30 @@ enum dm2_status subdomain_measure_last(struct subdomain *sd, struct measures *ou
     return integrate(sd, false, NULL, out, err);
 }
 
+enum dm2_status subdomain_profile(const struct subdomain *sd, size_t which, struct profile_bin *bins,
+                                  struct dm2_error *err)
+{
+    return profile_add(sd->model, &sd->p, &sd->model->config->profiles[which], sd->step, bins, err);
+}
+
 /* --- update ---------------------------------------------------------------------------------------------------- */
+
+/* Velocities of mirrored elements matter where pairs damp and where strain is measured. */
+static bool needs_velocity(const struct model *m)
+{
+    return m->has_damping || m->has_strain;
+}
 
 unsigned subdomain_update_fields(const struct model *m)
 {
-    return (m->has_damping ? UPDATE_VELOCITY : 0u) | (m->has_spin ? UPDATE_SPIN : 0u) | (m->has_heat ? UPDATE_HEAT : 0u) |
-           (m->has_pressure ? UPDATE_PRESSURE : 0u);
+    return (needs_velocity(m) ? UPDATE_VELOCITY : 0u) | (m->has_spin ? UPDATE_SPIN : 0u) |
+           (m->has_heat ? UPDATE_HEAT : 0u) | (m->has_pressure ? UPDATE_PRESSURE : 0u);
 }
 
 size_t subdomain_update_width(const struct model *m)
 {
-    return 2u + (m->has_damping ? 2u : 0u) + (m->has_spin ? 1u : 0u) + (m->has_heat ? 1u : 0u) + (m->has_pressure ? 1u : 0u);
+    return 2u + (needs_velocity(m) ? 2u : 0u) + (m->has_spin ? 1u : 0u) + (m->has_heat ? 1u : 0u) +
+           (m->has_pressure ? 1u : 0u);
 }
 
 size_t subdomain_send_count(const struct subdomain *sd, int dest)
@@ -642,7 +662,7 @@ void subdomain_pack_update(const struct subdomain *sd, int dest, double *out)
         size_t i = send->item[k];
         *out++ = p->r[2 * i];
         *out++ = p->r[2 * i + 1];
-        if (m->has_damping) {
+        if (needs_velocity(m)) {
             *out++ = p->v[2 * i];
             *out++ = p->v[2 * i + 1];
         }
@@ -670,7 +690,7 @@ enum dm2_status subdomain_take_update(struct subdomain *sd, int src, const doubl
         size_t k = 2;
         p->r[2 * i] = in[0];
         p->r[2 * i + 1] = in[1];
-        if (m->has_damping) {
+        if (needs_velocity(m)) {
             p->v[2 * i] = in[k++];
             p->v[2 * i + 1] = in[k++];
         }

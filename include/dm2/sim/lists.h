@@ -11,6 +11,7 @@
 #include <stdint.h>
 
 #include "dm2/base/status.h"
+#include "dm2/sim/bins.h"
 #include "dm2/sim/cells.h"
 #include "dm2/sim/particles.h"
 
@@ -27,6 +28,7 @@ struct lists {
     uint8_t *linked;
     double *stretch, *spring;
     size_t memory_cap;
+    struct bins bins; /* of the last build, where bins served it */
 };
 
 /* Memory of pairs that survives a rebuild, by new slots a < b, a owned; sorted into rows by a. */
