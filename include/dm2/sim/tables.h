@@ -61,6 +61,7 @@ struct model {
     bool has_kinds;        /* elements may change their kind, by phase or reaction */
     struct reaction_table reaction;
     double growth;         /* largest over smallest size of a kind; 1 without phases */
+    bool has_strain;       /* the deck asks for strain: velocities of mirrored elements matter */
     bool uniform_far;      /* one kind, one far law */
     bool wide_far;         /* and that law is a plain Lennard-Jones potential: rows of the far list are padded to fours */
     bool wide_near;        /* the commonest laws allow near pairs to be taken four at a time */
