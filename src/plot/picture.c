@@ -179,8 +179,8 @@ static enum dm2_status choose_quantity(struct picture *p, struct dm2_error *err)
     values = known ? vtp_find(p->vtp, "PointData", p->quantity.array) : find_other(p, word, &component);
     list_arrays(p->vtp, names, sizeof names);
     if (!known && values == NULL)
-        return dm2_fail(err, DM2_USAGE, "'%.60s' is nothing to colour by; --help lists what is, and the file has the arrays: %s",
-                        word, names);
+        return dm2_fail(err, DM2_USAGE, "'%.60s' is nothing to colour by; choose one of: %s. The file has the arrays: %.200s",
+                        word, picture_colours(), names);
     size_t least = p->quantity.value == first || !known ? 1 : p->quantity.value == second ? 2 : 3; /* that it reads */
     if (values == NULL || values->components < least)
         return dm2_fail(err, DM2_USAGE, "'%s' needs an array '%s' that the snapshot does not have; it has: %s", word,
