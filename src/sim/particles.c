@@ -59,12 +59,13 @@ void particles_free(struct particles *p)
 {
     for (size_t c = 0; c < COLUMNS; c++)
         free(*column_of(p, c));
+    free(p->scratch);
     *p = (struct particles){0};
 }
 
 size_t particles_bytes(const struct particles *p)
 {
-    size_t bytes = 0;
+    size_t bytes = p->scratch_cap * 3 * sizeof(double);
     for (size_t c = 0; c < COLUMNS; c++)
         bytes += columns[c].bytes * p->cap;
     return bytes;
@@ -118,9 +119,9 @@ int particles_permute(struct particles *p, const uint32_t *from, size_t n)
         return -1;
     if (n == 0)
         return 0;
-    char *scratch = mem_alloc(n, 3 * sizeof(double)); /* the widest of the state columns */
-    if (scratch == NULL)
+    if (mem_grow(&p->scratch, &p->scratch_cap, 0, n, 3 * sizeof(double)) != 0) /* the widest of the state columns */
         return -1;
+    char *scratch = p->scratch;
     for (size_t c = 0; c < STATE_COLUMNS; c++) {
         char *column = *column_of(p, c);
         size_t width = columns[c].bytes;
@@ -132,7 +133,6 @@ int particles_permute(struct particles *p, const uint32_t *from, size_t n)
             gather(scratch, column, from, n, width);
         memcpy(column, scratch, n * width);
     }
-    free(scratch);
     return 0;
 }
 

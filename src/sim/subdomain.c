@@ -24,6 +24,19 @@
 #include "dm2/sim/lists.h"
 #include "dm2/sim/strain.h"
 
+/* A block that is kept from rebuild to rebuild: getting a large one anew costs more than filling it. */
+struct block {
+    void *item;
+    size_t cap; /* bytes */
+};
+
+static void *block_hold(struct block *b, size_t count, size_t size)
+{
+    if (size != 0 && count > SIZE_MAX / 2 / size)
+        return NULL;
+    return mem_grow(&b->item, &b->cap, 0, count * size + 1, 1) == 0 ? b->item : NULL;
+}
+
 struct element_array {
     struct element *item;
     size_t n, cap;
@@ -36,6 +49,11 @@ struct pair_array {
 
 struct slot_array {
     uint32_t *item;
+    size_t n, cap;
+};
+
+struct carried_array {
+    struct carried_pair *item;
     size_t n, cap;
 };
 
@@ -57,6 +75,8 @@ struct subdomain {
     struct lists lists;
     struct peer *peers;    /* [ranks] */
     struct idmap ids;      /* of mirrored elements and immigrants, for the memory of pairs */
+    struct block from, moved, old_id; /* of settle */
+    struct carried_array carried;     /* of settle */
     int32_t *cell_of;      /* global cell of each owned slot at the last sort_out; -1: emigrated */
     size_t cell_cap;
     size_t n_leaving;      /* emigrants of the last sort_out, still in their slots until take_in */
@@ -238,11 +258,6 @@ static int32_t new_slot(const struct subdomain *sd, const uint32_t *moved, size_
     return idmap_find(&sd->ids, id);
 }
 
-struct carried_array {
-    struct carried_pair *item;
-    size_t n, cap;
-};
-
 /* Keeps the memory of a pair if both elements are here and one is owned. */
 static int carry(const struct subdomain *sd, struct carried_array *out, int32_t a, int32_t b, bool linked, double stretch,
                  double spring)
@@ -363,7 +378,7 @@ static enum dm2_status settle(struct subdomain *sd, const struct parcel *parcels
 {
     size_t n_old = sd->p.n_own, n_all_old = sd->p.n, stayers = 0;
     struct intake in = {0};
-    struct carried_array carried = {0};
+    struct carried_array *carried = &sd->carried;
     uint32_t *from = NULL, *newcomer_slot = NULL, *moved = NULL, *old_id = NULL;
     enum dm2_status status = gather(sd, parcels, n_parcels, &in, err);
     if (status != DM2_OK)
@@ -375,10 +390,11 @@ static enum dm2_status settle(struct subdomain *sd, const struct parcel *parcels
         status = dm2_fail(err, DM2_NUMERIC, "a subdomain holds more than 2^31 elements: use more servers");
         goto done;
     }
-    from = mem_alloc(n, sizeof *from);
+    carried->n = 0;
+    from = block_hold(&sd->from, n, sizeof *from);
     newcomer_slot = mem_alloc(in.n_newcomers, sizeof *newcomer_slot);
-    moved = mem_alloc(n_old, sizeof *moved);
-    old_id = mem_alloc(n_all_old, sizeof *old_id);
+    moved = block_hold(&sd->moved, n_old, sizeof *moved);
+    old_id = block_hold(&sd->old_id, n_all_old, sizeof *old_id);
     status = DM2_MEMORY;
     if (from == NULL || newcomer_slot == NULL || moved == NULL || old_id == NULL ||
         idmap_prepare(&sd->ids, in.n_newcomers + in.n_mirrors) != 0)
@@ -405,19 +421,15 @@ static enum dm2_status settle(struct subdomain *sd, const struct parcel *parcels
     if (status != DM2_OK)
         goto done;
     status = DM2_MEMORY;
-    if ((!initial && carry_memory(sd, n_old, moved, old_id, &carried) != 0) ||
-        carry_parcels(sd, parcels, n_parcels, moved, old_id, n_old, &carried) != 0 || build_send_lists(sd) != 0)
+    if ((!initial && carry_memory(sd, n_old, moved, old_id, carried) != 0) ||
+        carry_parcels(sd, parcels, n_parcels, moved, old_id, n_old, carried) != 0 || build_send_lists(sd) != 0)
         goto done;
     sd->p.r[2 * n] = sd->p.r[2 * n + 1] = PARTICLES_FAR;
-    status = lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, carried.item, carried.n, initial, err);
+    status = lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, carried->item, carried->n, initial, err);
 done:
     free(in.newcomers);
     free(in.mirrors);
-    free(carried.item);
-    free(from);
     free(newcomer_slot);
-    free(moved);
-    free(old_id);
     if (status == DM2_MEMORY)
         return no_memory(sd, err);
     return status;
@@ -539,6 +551,10 @@ void subdomain_free(struct subdomain *sd)
     strain_free(&sd->strain);
     idmap_free(&sd->ids);
     free(sd->cell_of);
+    free(sd->from.item);
+    free(sd->moved.item);
+    free(sd->old_id.item);
+    free(sd->carried.item);
     free(sd);
 }
 
@@ -560,8 +576,8 @@ size_t subdomain_mirrored(const struct subdomain *sd)
 size_t subdomain_bytes(const struct subdomain *sd)
 {
     size_t bytes = sizeof *sd + particles_bytes(&sd->p) + lists_bytes(&sd->lists) + cells_bytes(&sd->cells, &sd->map) +
-                   sd->cell_cap * sizeof *sd->cell_of +
-                   sd->strain.cap * STRAIN_SUMS * sizeof *sd->strain.sum + sd->ids.slots * 8;
+                   sd->cell_cap * sizeof *sd->cell_of + sd->ids.slots * 8 + sd->from.cap + sd->moved.cap + sd->old_id.cap +
+                   sd->carried.cap * sizeof *sd->carried.item + sd->strain.cap * STRAIN_SUMS * sizeof *sd->strain.sum;
     for (int r = 0; r < sd->map.ranks; r++)
         bytes += sd->peers[r].send.cap * sizeof(uint32_t) +
                  (sd->peers[r].migrants.cap + sd->peers[r].mirrors.cap) * sizeof(struct element) +
