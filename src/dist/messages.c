@@ -261,6 +261,21 @@ void message_get_state(struct bytes_reader *r, struct state_message *m)
     require(r, m->n_elements * each + m->n_pairs * WIRE_PAIR == left);
 }
 
+void message_put_profile(struct bytes_writer *w, const struct profile_message *m)
+{
+    bytes_put_i64(w, m->step);
+    bytes_put_u16(w, (uint16_t)m->which);
+    bytes_put_u32(w, (uint32_t)m->n_bins);
+}
+
+void message_get_profile(struct bytes_reader *r, struct profile_message *m)
+{
+    m->step = bytes_get_i64(r);
+    m->which = bytes_get_u16(r);
+    m->n_bins = bytes_get_u32(r);
+    require(r, m->n_bins * (uint64_t)WIRE_BIN == bytes_remaining(r));
+}
+
 void message_put_done(struct bytes_writer *w, const struct done_message *m)
 {
     const struct server_times *t = &m->times;
@@ -326,7 +341,8 @@ void message_get_error(struct bytes_reader *r, struct error_message *m)
 const char *message_name(uint8_t type, char buffer[16])
 {
     static const char *const names[] = {"type 0", "HELLO", "WELCOME", "DECK",  "ANSWER", "ASSIGN",
-                                        "READY",  "STEP",  "NEXT",    "STATE", "DONE",   "ERROR"};
+                                        "READY",  "STEP",  "NEXT",    "STATE", "DONE",   "ERROR",
+                                        "PROFILE"};
     if (type < sizeof names / sizeof names[0])
         return names[type];
     (void)snprintf(buffer, 16, "type %u", type);

@@ -59,6 +59,7 @@ void config_free(struct config *c)
     free(c->materials);
     free(c->bodies);
     free(c->probes);
+    free(c->profiles);
     free(c->voids);
     free(c->flaws);
     free(c->rules);

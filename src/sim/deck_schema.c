@@ -217,6 +217,19 @@ static const struct deck_key probe_keys[] = {
      .meaning = "`x0 y0 x1 y1`: the elements that start in it are averaged; half-open, x0 <= x < x1"},
 };
 
+#define FIELD(f) .offset = offsetof(struct profile_config, f)
+static const struct deck_key profile_keys[] = {
+    {"axis", VALUE_CHOICE, 1, PLAIN, ANY, .required = true, .choices = "x|y", FIELD(axis),
+     .meaning = "the axis that is cut into bins"},
+    {"bins", VALUE_WHOLE, 1, PLAIN, .low = 1, .high = 10000, .required = true, FIELD(bins),
+     .meaning = "how many bins"},
+    {"range", VALUE_REAL, 2, LENGTH, ANY, .initial = "the domain", FIELD(range),
+     .meaning = "from where to where the bins reach; elements outside are in none"},
+    {"every", VALUE_WHOLE, 1, PLAIN, .low = 1, .high = HUGE_VAL, .initial = "steps/20, at least 1", FIELD(every),
+     .meaning = "steps between profiles; the last state has one in any case"},
+};
+#undef FIELD
+
 #define FIELD(f) .offset = offsetof(struct config, output.f)
 static const struct deck_key output_keys[] = {
     {"history_every", VALUE_WHOLE, 1, PLAIN, .low = 1, .high = HUGE_VAL, .initial = "steps/200, at least 1",
@@ -227,6 +240,8 @@ static const struct deck_key output_keys[] = {
      .meaning = "further steps to take a snapshot at, in any order"},
     {"format", VALUE_FORMATS, 1, PLAIN, ANY, .choices = "vtp|xyz", .initial = "vtp", FIELD(vtp),
      .meaning = "of snapshots: `vtp` (ParaView), `xyz` (OVITO), or both"},
+    {"strain", VALUE_FLAG, 1, PLAIN, ANY, .choices = "no|yes", .initial = "no", FIELD(strain),
+     .meaning = "is the strain of the elements measured, for snapshots; it costs some time at every step"},
 };
 #undef FIELD
 
@@ -242,6 +257,7 @@ static const struct block_schema blocks[BLOCK_COUNT] = {
     [BLOCK_VOID] = {"void", "a name", false, false, KEYS(void_keys)},
     [BLOCK_FLAW] = {"flaw", "a name", false, false, KEYS(flaw_keys)},
     [BLOCK_PROBE] = {"probe", "a name", false, false, KEYS(probe_keys)},
+    [BLOCK_PROFILE] = {"profile", "a name", false, false, KEYS(profile_keys)},
     [BLOCK_OUTPUT] = {"output", "nothing", true, false, KEYS(output_keys)},
 };
 

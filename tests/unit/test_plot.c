@@ -137,7 +137,7 @@ static void read_fake(size_t columns, size_t rows, struct vtp *vtp)
     struct fake f;
     struct dm2_error err = {0};
     fake_make(&f, columns, rows);
-    const struct snapshot s = {&f.config, 200, f.elements, f.measured, f.n, f.pairs, f.n_pairs};
+    const struct snapshot s = {&f.config, 200, f.elements, f.measured, f.n, f.pairs, f.n_pairs, NULL};
     if (snapshot_write_vtp(scratch_path("s.vtp"), &s, &err) != DM2_OK ||
         vtp_read(scratch_path("s.vtp"), vtp, &err) != DM2_OK) {
         printf("%s\n", err.text);

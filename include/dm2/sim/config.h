@@ -12,7 +12,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { NAME_MAX_LENGTH = 31, PROBE_MAX = 8, MIX_MAX = 4, POLYGON_MAX = 64 };
+enum { NAME_MAX_LENGTH = 31, PROBE_MAX = 8, PROFILE_MAX = 8, MIX_MAX = 4, POLYGON_MAX = 64 };
 typedef char name_text[NAME_MAX_LENGTH + 1];
 
 enum potential_kind { POTENTIAL_QUADRATIC, POTENTIAL_MORSE, POTENTIAL_LENNARD_JONES };
@@ -123,12 +123,24 @@ struct probe_config {
     double box[4];
 };
 
+enum axis_kind { AXIS_X, AXIS_Y };
+
+/* profile NAME { axis = x|y ... }: means over bins along an axis, in profile-NAME.csv. */
+struct profile_config {
+    name_text name;
+    enum axis_kind axis;
+    int64_t bins;    /* 1 to 10000 */
+    double range[2]; /* cm; default the domain */
+    int64_t every;   /* steps between profiles, default 1/20 of the run, at least 1 */
+};
+
 struct output_config {
     int64_t history_every;  /* steps between rows of history.csv, default 1/200 of the run, at least 1 */
     int64_t snapshot_every; /* 0: none by interval */
     size_t n_snapshot_at;
     int64_t *snapshot_at; /* further steps, ascending, without repeats */
     bool vtp, xyz;        /* formats; default vtp */
+    bool strain;          /* measure the strain of elements; default no */
 };
 
 struct config {
@@ -141,10 +153,11 @@ struct config {
     double dt; /* us */
     int64_t steps;
     double gravity[2]; /* body acceleration, cm/us2 */
-    size_t n_materials, n_bodies, n_probes, n_voids, n_flaws;
+    size_t n_materials, n_bodies, n_probes, n_profiles, n_voids, n_flaws;
     struct material_config *materials;
     struct body_config *bodies;
     struct probe_config *probes;
+    struct profile_config *profiles;
     struct void_config *voids;
     struct flaw_config *flaws;
     struct output_config output;

@@ -18,8 +18,8 @@ struct deck_binding {
     bool steps_replaced;        /* by --steps */
     enum block_kind *kinds;     /* of each block of the tree; BLOCK_COUNT: unknown */
     size_t single[BLOCK_COUNT]; /* index of the first block of a kind; tree->n_blocks: none */
-    size_t *material_block, *body_block, *probe_block, *rule_block, *void_block,
-        *flaw_block; /* of config->materials etc. */
+    size_t *material_block, *body_block, *probe_block, *profile_block, *rule_block,
+        *void_block, *flaw_block; /* of config->materials etc. */
 };
 
 /* Fills *b and b->config, both empty at the start but for tree, findings and config. A real value that was

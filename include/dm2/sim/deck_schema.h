@@ -19,6 +19,7 @@ enum block_kind {
     BLOCK_VOID,
     BLOCK_FLAW,
     BLOCK_PROBE,
+    BLOCK_PROFILE,
     BLOCK_OUTPUT,
     BLOCK_COUNT
 };
