@@ -1,5 +1,5 @@
-/* Phases and the reaction: constants that they need, and constants that would make them undo themselves or begin at once.
- * Values that were bad are NaN; comparisons are written so that NaN triggers nothing. */
+/* Phases and the reaction: constants that they need, and constants that would make them undo themselves or
+ * begin at once. Values that were bad are NaN; comparisons are written so that NaN triggers nothing. */
 #include <math.h>
 
 #include "dm2/sim/deck_check.h"
@@ -15,7 +15,8 @@ static const struct material_config *state_before(const struct config *c, const 
     return phase->from < 0 ? &c->materials[phase->material] : &c->phases[phase->from].state;
 }
 
-/* The drop of temperature that forming the phase makes must not take it below the line that it goes back at. */
+/* The drop of temperature that forming the phase makes must not take it below the line that it goes back at.
+ */
 static void check_hysteresis(const struct deck_binding *b, size_t i)
 {
     const struct phase_config *phase = &b->config->phases[i];
@@ -24,15 +25,18 @@ static void check_hysteresis(const struct deck_binding *b, size_t i)
     double cp = phase->state.cp < from->cp ? phase->state.cp : from->cp;
     double drop = phase->latent / cp, ratio = from->rho0 / phase->state.rho0;
     struct deck_place place = binding_place(b, b->phase_block[i], "hysteresis_t", 0);
-    if (phase->reversible && phase->transition == TRANSITION_TEMPERATURE && phase->hysteresis_t <= drop && drop > 0)
+    if (phase->reversible && phase->transition == TRANSITION_TEMPERATURE && phase->hysteresis_t <= drop &&
+        drop > 0)
         findings_error(b->findings, place,
-                       "hysteresis_t = %s K is not above latent/cp = %s K, by which the temperature falls when '%s' forms: it "
+                       "hysteresis_t = %s K is not above latent/cp = %s K, by which the temperature falls "
+                       "when '%s' forms: it "
                        "would go back at once",
                        number_text(phase->hysteresis_t, &got), number_text(drop, &want), phase->name);
     double relief = from->rho0 * (from->c0 * from->c0) * (1.0 - ratio);
     if (phase->reversible && phase->transition == TRANSITION_PRESSURE && phase->hysteresis_p < 0.5 * relief)
         findings_warn(b->findings, binding_place(b, b->phase_block[i], "hysteresis_p", 0),
-                      "hysteresis_p = %s Mbar is small against the pressure that the smaller volume of '%s' relieves, about %s "
+                      "hysteresis_p = %s Mbar is small against the pressure that the smaller volume of '%s' "
+                      "relieves, about %s "
                       "Mbar: elements may go to and fro",
                       number_text(phase->hysteresis_p, &got), phase->name, number_text(relief, &want));
 }
@@ -50,10 +54,11 @@ static void check_start(const struct deck_binding *b, size_t i)
         for (size_t m = 0; m < body->n_mix; m++)
             if (body->mix_material[m] == phase->material && above > 0)
                 findings_error(b->findings, binding_place(b, b->body_block[k], "temperature", 0),
-                               "the body '%s' starts at %s K and without pressure, where its material '%s' is already the "
+                               "the body '%s' starts at %s K and without pressure, where its material '%s' "
+                               "is already the "
                                "phase '%s'",
-                               body->name, number_text(body->temperature, &t), b->config->materials[phase->material].name,
-                               phase->name);
+                               body->name, number_text(body->temperature, &t),
+                               b->config->materials[phase->material].name, phase->name);
     }
 }
 
@@ -70,14 +75,16 @@ static void check_phase(const struct deck_binding *b, size_t i)
     warn_given(b, block, by_pressure ? "hysteresis_t" : "hysteresis_p",
                by_pressure ? "a transition by pressure" : "a transition by temperature");
     if (binding_given(b, block, "rho0") && binding_given(b, parent, "mass"))
-        findings_error(b->findings, binding_place(b, block, "rho0", 0),
-                       "the material '%s' gives 'mass', not 'rho0', so that the volume of its phase '%s' is not known",
-                       from->name, phase->name);
+        findings_error(
+            b->findings, binding_place(b, block, "rho0", 0),
+            "the material '%s' gives 'mass', not 'rho0', so that the volume of its phase '%s' is not known",
+            from->name, phase->name);
     bool lacks = binding_missing(b, parent, "cp") && isnan(from->cp);
     if (lacks && (phase->latent != 0 || !by_pressure || phase->dp_dt != 0 || binding_given(b, block, "cp")))
-        findings_error(b->findings, binding_place(b, block, "transition", 0),
-                       "the material '%s' lacks 'cp': without it temperatures stay, and the phase '%s' needs them", from->name,
-                       phase->name);
+        findings_error(
+            b->findings, binding_place(b, block, "transition", 0),
+            "the material '%s' lacks 'cp': without it temperatures stay, and the phase '%s' needs them",
+            from->name, phase->name);
     check_hysteresis(b, i);
     check_start(b, i);
 }
@@ -91,7 +98,8 @@ static void check_reaction(const struct deck_binding *b, size_t i)
     const int material[3] = {r->reactant[0], r->reactant[1], r->product};
     if (r->kind == REACTION_STOICHIOMETRIC && binding_missing(b, block, "masses"))
         findings_error(b->findings, binding_place(b, block, "masses", 0),
-                       "the reaction '%s' lacks 'masses': how much of each reactant goes into the product", r->name);
+                       "the reaction '%s' lacks 'masses': how much of each reactant goes into the product",
+                       r->name);
     if (r->kind != REACTION_STOICHIOMETRIC)
         warn_given(b, block, "masses", "a non-stoichiometric reaction");
     for (int a = 0; a < 3; a++)
@@ -107,10 +115,11 @@ static void check_reaction(const struct deck_binding *b, size_t i)
             findings_error(b->findings, binding_place(b, block, key, a < 2 ? (size_t)a : 0),
                            "the material '%s' lacks 'cp', which its reaction needs", m->name);
         if (m->t0 < c->materials[material[0]].t0 || m->t0 > c->materials[material[0]].t0)
-            findings_error(b->findings, binding_place(b, block, key, a < 2 ? (size_t)a : 0),
-                           "t0 of '%s' is %s K, of '%s' %s K: materials that react with each other need the same", m->name,
-                           number_text(m->t0, &other), c->materials[material[0]].name,
-                           number_text(c->materials[material[0]].t0, &first));
+            findings_error(
+                b->findings, binding_place(b, block, key, a < 2 ? (size_t)a : 0),
+                "t0 of '%s' is %s K, of '%s' %s K: materials that react with each other need the same",
+                m->name, number_text(m->t0, &other), c->materials[material[0]].name,
+                number_text(c->materials[material[0]].t0, &first));
     }
 }
 

@@ -1,17 +1,18 @@
 /* Phase transitions.
  *
- * Every phase but a material's first names the one it forms from and a line in the plane of pressure and temperature. An
- * element changes when it is above that line, and back when it is below it by more than the hysteresis, so that the
- * drop of pressure or temperature that the change itself makes does not undo it.
+ * Every phase but a material's first names the one it forms from and a line in the plane of pressure and
+ * temperature. An element changes when it is above that line, and back when it is below it by more than the
+ * hysteresis, so that the drop of pressure or temperature that the change itself makes does not undo it.
  *
- * Energy: the internal energy of a phase is m (cp (T - T0) + e), e a constant of the phase that follows from the latent
- * heat; a change keeps that sum, so that m e leaves the thermal energy. What new stiffness and size do to the bonds at
- * their present lengths, and a new radius to the spin, is taken from the account `moved` of the element. So kinetic,
- * potential, elastic and thermal energy and the two accounts together stay what they were. The forces of the step across
- * the change are those after it: the book is then off by v dF dt/2 once per change.
+ * Energy: the internal energy of a phase is m (cp (T - T0) + e), e a constant of the phase that follows from
+ * the latent heat; a change keeps that sum, so that m e leaves the thermal energy. What new stiffness and
+ * size do to the bonds at their present lengths, and a new radius to the spin, is taken from the account
+ * `moved` of the element. So kinetic, potential, elastic and thermal energy and the two accounts together
+ * stay what they were. The forces of the step across the change are those after it: the book is then off by v
+ * dF dt/2 once per change.
  *
- * Sums over bonds are integers, so their order does not matter; mirrored elements carry their mark with them, so that both
- * owners of a bond get the same numbers. */
+ * Sums over bonds are integers, so their order does not matter; mirrored elements carry their mark with them,
+ * so that both owners of a bond get the same numbers. */
 #include "dm2/sim/phase.h"
 
 #include <math.h>
@@ -79,7 +80,8 @@ void phase_apply(const struct model *m, struct particles *p)
 }
 
 /* Energy that a bond holds: as pair_interact (dm2/sim/law.h) counts it before it looks at the status anew. */
-static double bond_energy(const struct pair_law *law, double r, double r0, bool linked, double stretch, double spring)
+static double bond_energy(const struct pair_law *law, double r, double r0, bool linked, double stretch,
+                          double spring)
 {
     double u = 0.0, kt = linked ? law->kt_link : law->kt_contact;
     if (linked || r <= r0)
@@ -88,8 +90,8 @@ static double bond_energy(const struct pair_law *law, double r, double r0, bool 
 }
 
 /* What the change of i's or j's kind adds to the energy of their bond. */
-static double bond_change(const struct model *m, const struct particles *p, const struct lists *l, size_t i, size_t j,
-                          uint32_t entry)
+static double bond_change(const struct model *m, const struct particles *p, const struct lists *l, size_t i,
+                          size_t j, uint32_t entry)
 {
     double period[2], half[2], d[2], radius_i = phase_radius(m, p->radius[i], p->kind[i], p->was[i]),
                                      radius_j = phase_radius(m, p->radius[j], p->kind[j], p->was[j]);
@@ -100,8 +102,8 @@ static double bond_change(const struct model *m, const struct particles *p, cons
         d[a] = lists_wrap(p->r[2 * i + a] - p->r[2 * j + a], period[a], half[a]);
     }
     double r = sqrt(d[0] * d[0] + d[1] * d[1]);
-    double before = bond_energy(model_law(m, p->was[i], p->was[j], relation), r, radius_i + radius_j, l->linked[entry],
-                                l->stretch[entry], l->spring[entry]);
+    double before = bond_energy(model_law(m, p->was[i], p->was[j], relation), r, radius_i + radius_j,
+                                l->linked[entry], l->stretch[entry], l->spring[entry]);
     double after = bond_energy(model_law(m, p->kind[i], p->kind[j], relation), r, p->radius[i] + p->radius[j],
                                l->linked[entry], l->stretch[entry], l->spring[entry]);
     return after - before;
@@ -115,8 +117,8 @@ static bool any_changed(const struct particles *p)
     return false;
 }
 
-enum dm2_status phase_account(const struct model *m, struct particles *p, const struct lists *lists, int64_t step,
-                              struct dm2_error *err)
+enum dm2_status phase_account(const struct model *m, struct particles *p, const struct lists *lists,
+                              int64_t step, struct dm2_error *err)
 {
     if (!any_changed(p))
         return DM2_OK;
@@ -132,10 +134,11 @@ enum dm2_status phase_account(const struct model *m, struct particles *p, const 
                 continue;
             double half = 0.5 * bond_change(m, p, lists, i, j, k) * scale;
             if (!(fabs(half) < 0x1p57)) {
-                status = dm2_fail(err, DM2_NUMERIC,
-                                  "step %lld: the change of phase of element %u or %u, near (%g, %g) cm, moves more energy "
-                                  "than sums can hold: check the densities and stiffnesses of the phases",
-                                  (long long)step, p->id[i], p->id[j], p->r[2 * i], p->r[2 * i + 1]);
+                status = dm2_fail(
+                    err, DM2_NUMERIC,
+                    "step %lld: the change of phase of element %u or %u, near (%g, %g) cm, moves more energy "
+                    "than sums can hold: check the densities and stiffnesses of the phases",
+                    (long long)step, p->id[i], p->id[j], p->r[2 * i], p->r[2 * i + 1]);
                 break;
             }
             int64_t moved = (int64_t)(half + copysign(0.5, half));

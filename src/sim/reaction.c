@@ -1,12 +1,13 @@
 /* The reaction pass.
  *
- * A contact reacts by what its two elements held when the step began, whatever other contacts do; each contact takes at
- * most a fixed part of it (1/8; 1/64 where discs differ so much that one may touch many), so that no order of pairs can
- * overdraw an element. Masses are added as integers: any order and any number of servers give the same bits, and what A
- * and B lose is exactly what product gains, since an element's product is what its two fractions leave of 1. The heat is
- * shared half and half.
+ * A contact reacts by what its two elements held when the step began, whatever other contacts do; each
+ * contact takes at most a fixed part of it (1/8; 1/64 where discs differ so much that one may touch many), so
+ * that no order of pairs can overdraw an element. Masses are added as integers: any order and any number of
+ * servers give the same bits, and what A and B lose is exactly what product gains, since an element's product
+ * is what its two fractions leave of 1. The heat is shared half and half.
  *
- * Rates are those at the evaluation; they are taken after the move, so that a row of the history sees neither. */
+ * Rates are those at the evaluation; they are taken after the move, so that a row of the history sees
+ * neither. */
 #include "dm2/sim/reaction.h"
 
 #include <math.h>
@@ -16,8 +17,8 @@
 #include "dm2/base/real.h"
 #include "dm2/sim/phase.h"
 
-void reaction_rate(const struct reaction_table *x, struct reaction_side a, struct reaction_side b, double temperature,
-                   double area, double dt, double reacted[2])
+void reaction_rate(const struct reaction_table *x, struct reaction_side a, struct reaction_side b,
+                   double temperature, double area, double dt, double reacted[2])
 {
     double held_a = a.mass * a.fraction, held_b = b.mass * b.fraction;
     reacted[0] = reacted[1] = 0.0;
@@ -41,8 +42,8 @@ static int64_t to_fixed(double scaled)
 }
 
 /* A of element i with B of element j. False: the heat is out of range. */
-static bool react(const struct model *m, const struct particles *p, size_t i, size_t j, double temperature, double area,
-                  double dt, int64_t *sums)
+static bool react(const struct model *m, const struct particles *p, size_t i, size_t j, double temperature,
+                  double area, double dt, int64_t *sums)
 {
     const struct reaction_table *x = &m->reaction;
     struct reaction_side a = {p->mass[i], p->share[2 * i]}, b = {p->mass[j], p->share[2 * j + 1]};
@@ -60,7 +61,8 @@ static bool react(const struct model *m, const struct particles *p, size_t i, si
 }
 
 enum dm2_status reaction_evaluate(const struct model *m, const struct particles *p, const struct lists *lists,
-                                  double dt_kick, int64_t step, struct reaction_sums *sums, struct dm2_error *err)
+                                  double dt_kick, int64_t step, struct reaction_sums *sums,
+                                  struct dm2_error *err)
 {
     const double facet = 0x1.279a74590331dp-1; /* 1/sqrt(3): the facet of a hexagon, as in the pair law */
     void *block = sums->item;
@@ -91,7 +93,8 @@ enum dm2_status reaction_evaluate(const struct model *m, const struct particles 
             if ((forward && !react(m, p, i, j, mean, area, dt_kick, sums->item)) ||
                 (backward && !react(m, p, j, i, mean, area, dt_kick, sums->item)))
                 return dm2_fail(err, DM2_NUMERIC,
-                                "step %lld: the heat of reaction of elements %u and %u, near (%g, %g) cm, is out of range: "
+                                "step %lld: the heat of reaction of elements %u and %u, near (%g, %g) cm, is "
+                                "out of range: "
                                 "check the reaction's heat",
                                 (long long)step, p->id[i], p->id[j], p->r[2 * i], p->r[2 * i + 1]);
         }
@@ -99,8 +102,8 @@ enum dm2_status reaction_evaluate(const struct model *m, const struct particles 
     return DM2_OK;
 }
 
-enum dm2_status reaction_apply(const struct model *m, struct particles *p, const struct reaction_sums *sums, int64_t step,
-                               struct dm2_error *err)
+enum dm2_status reaction_apply(const struct model *m, struct particles *p, const struct reaction_sums *sums,
+                               int64_t step, struct dm2_error *err)
 {
     const struct reaction_table *x = &m->reaction;
     for (size_t i = 0; i < p->n_own; i++) {
@@ -112,7 +115,8 @@ enum dm2_status reaction_apply(const struct model *m, struct particles *p, const
             share[a] -= (double)s[REACTION_A + a] / x->mass_scale / p->mass[i];
             if (share[a] < -1e-9)
                 return dm2_fail(err, DM2_NUMERIC,
-                                "step %lld: element %u at (%g, %g) cm reacts with more partners than one that size can touch; a "
+                                "step %lld: element %u at (%g, %g) cm reacts with more partners than one "
+                                "that size can touch; a "
                                 "smaller dt or a lower rate may help",
                                 (long long)step, p->id[i], p->r[2 * i], p->r[2 * i + 1]);
             share[a] = share[a] > 0.0 ? share[a] : 0.0;

@@ -343,6 +343,11 @@ struct intake {
     size_t n_newcomers, n_mirrors;
 };
 
+static bool kinds_known(const struct model *m, const struct element *e)
+{
+    return e->kind < m->n_kinds && e->was < m->n_kinds;
+}
+
 static enum dm2_status gather(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels, struct intake *in,
                               struct dm2_error *err)
 {
@@ -358,7 +363,7 @@ static enum dm2_status gather(struct subdomain *sd, const struct parcel *parcels
     for (size_t q = 0; q < n_parcels; q++) {
         for (size_t k = 0; k < parcels[q].n_migrants; k++) {
             const struct element *e = &parcels[q].migrants[k];
-            if (e->kind >= sd->model->n_kinds || e->was >= sd->model->n_kinds || sd->map.owner[cell_of_element(sd, e->r)] != sd->rank)
+            if (!kinds_known(sd->model, e) || sd->map.owner[cell_of_element(sd, e->r)] != sd->rank)
                 return dm2_fail(err, DM2_PROTOCOL, "step %lld: element %u at (%g, %g) cm came to server %d, which does not own "
                                 "its cell", (long long)sd->step, e->id, e->r[0], e->r[1], sd->rank);
             in->newcomers[in->n_newcomers++] = e;
@@ -366,7 +371,7 @@ static enum dm2_status gather(struct subdomain *sd, const struct parcel *parcels
         for (size_t k = 0; k < parcels[q].n_mirrors; k++) {
             const struct element *e = &parcels[q].mirrors[k];
             int cell = cell_of_element(sd, e->r);
-            if (e->kind >= sd->model->n_kinds || e->was >= sd->model->n_kinds || sd->cells.local_of[cell] < sd->cells.n_own)
+            if (!kinds_known(sd->model, e) || sd->cells.local_of[cell] < sd->cells.n_own)
                 return dm2_fail(err, DM2_PROTOCOL, "step %lld: element %u at (%g, %g) cm came as a mirror to server %d, which does "
                                 "not mirror its cell", (long long)sd->step, e->id, e->r[0], e->r[1], sd->rank);
             in->mirrors[in->n_mirrors++] = (struct keyed){(uint64_t)sd->map.owner[cell] << 32 | e->id, e};

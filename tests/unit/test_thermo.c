@@ -1,5 +1,6 @@
-/* Heat, phases and the reaction against what is known of them: series solution, mixing temperature, transition lines,
- * adiabatic temperature rise, Arrhenius' law, conservation, and the same bits on any number of ranks. */
+/* Heat, phases and the reaction against what is known of them: series solution, mixing temperature,
+ * transition lines, adiabatic temperature rise, Arrhenius' law, conservation, and the same bits on any number
+ * of ranks. */
 #include "engine_help.h"
 
 #include "dm2/base/real.h"
@@ -22,18 +23,20 @@ static struct measures measured_step(struct engine *g)
     return m;
 }
 
-/* --- heat ------------------------------------------------------------------------------------------------------- */
+/* --- heat
+ * ------------------------------------------------------------------------------------------------------- */
 
-#define COPPER                                                                                                        \
-    "material Cu { rho0 = 8.93; c0 = 0.394; s = 1.489; cp = 3.83e-6; kappa = kappa }\n"                                   \
-    "let kappa = 2.74e-7\n"                                                                                           \
+#define COPPER                                                                                               \
+    "material Cu { rho0 = 8.93; c0 = 0.394; s = 1.489; cp = 3.83e-6; kappa = kappa }\n"                      \
+    "let kappa = 2.74e-7\n"                                                                                  \
     "interaction { linked = yes }\n"
-#define ROD(size, boundary, hot, cold)                                                                                \
-    "let d = 0.04\nlet h = d*sqrt(3)/2\n"                                                                             \
-    "domain { size = " size "; boundary = " boundary "; r_c = 0.045; delta_r = 0.004 }\n"                                \
-    "time { dt = 0.02; steps = 2500 }\n" COPPER                                                                        \
-    "body hot { shape = rectangle " hot "; spacing = d; origin = d/4, h/2; material = Cu; temperature = 600; motion = fixed }\n"   \
-    "body cold { shape = rectangle " cold "; spacing = d; origin = d/4, h/2; material = Cu; temperature = 300; motion = fixed }\n" \
+#define ROD(size, boundary, hot, cold)                                                                       \
+    "let d = 0.04\nlet h = d*sqrt(3)/2\n"                                                                    \
+    "domain { size = " size "; boundary = " boundary "; r_c = 0.045; delta_r = 0.004 }\n"                    \
+    "time { dt = 0.02; steps = 2500 }\n" COPPER "body hot { shape = rectangle " hot                          \
+    "; spacing = d; origin = d/4, h/2; material = Cu; temperature = 600; motion = fixed }\n"                 \
+    "body cold { shape = rectangle " cold                                                                    \
+    "; spacing = d; origin = d/4, h/2; material = Cu; temperature = 300; motion = fixed }\n"                 \
     "output { history_every = 1000 }\n"
 
 /* Insulated rod of length `length`, its first half hot: temperature at `at` and time t. */
@@ -42,7 +45,8 @@ static double rod_series(double length, double at, double diffusivity, double t)
     double sum = 450.0;
     for (int k = 1; k < 200; k += 2) {
         double wave = k * pi / length;
-        sum += (k % 4 == 1 ? 1.0 : -1.0) * (2.0 * 300.0 / (k * pi)) * cos(wave * at) * exp(-diffusivity * wave * wave * t);
+        sum += (k % 4 == 1 ? 1.0 : -1.0) * (2.0 * 300.0 / (k * pi)) * cos(wave * at) *
+               exp(-diffusivity * wave * wave * t);
     }
     return sum;
 }
@@ -61,7 +65,8 @@ static void check_rod(const char *deck, int axis, double length, const char *wha
     double worst = 0.0;
     for (size_t k = 0; k < s.n; k++) {
         /* conducted over half a step at first, and over whole ones since */
-        double t = ((double)g.deck.config.steps - 0.5) * 0.02, want = rod_series(length, s.e[k].r[axis], diffusivity, t);
+        double t = ((double)g.deck.config.steps - 0.5) * 0.02,
+               want = rod_series(length, s.e[k].r[axis], diffusivity, t);
         worst = fmax(worst, fabs(s.m[k].temperature - want));
     }
     printf("rod %s: %zu elements, largest error %.4f K of 300 K\n", what, s.n, worst);
@@ -72,9 +77,10 @@ static void check_rod(const char *deck, int axis, double length, const char *wha
 
 TEST(a_rod_follows_the_series_solution)
 {
-    check_rod(ROD("50*d, 8*h", "free periodic", "0, 0, 25*d, 8*h", "25*d, 0, 50*d, 8*h"), 0, 2.0, "along the rows");
-    check_rod(ROD("8*d, 60*h", "periodic free", "0, 0, 8*d, 30*h", "0, 30*h, 8*d, 60*h"), 1, 60.0 * 0.04 * 0.5 * sqrt(3.0),
-              "across the rows");
+    check_rod(ROD("50*d, 8*h", "free periodic", "0, 0, 25*d, 8*h", "25*d, 0, 50*d, 8*h"), 0, 2.0,
+              "along the rows");
+    check_rod(ROD("8*d, 60*h", "periodic free", "0, 0, 8*d, 30*h", "0, 30*h, 8*d, 60*h"), 1,
+              60.0 * 0.04 * 0.5 * sqrt(3.0), "across the rows");
 }
 
 TEST(two_bodies_reach_the_mixing_temperature)
@@ -87,8 +93,10 @@ TEST(two_bodies_reach_the_mixing_temperature)
                  "material Cu { rho0 = 8.93; c0 = 0.394; s = 1.489; cp = 3.83e-6; kappa = kappa }\n"
                  "material Al { rho0 = 2.7; c0 = 0.535; s = 1.34; cp = 8.97e-6; kappa = kappa }\n"
                  "interaction { linked = yes }\ninterface body { conductance = 0.3 }\n"
-                 "body a { shape = rectangle 0, 0, 0.2, 0.2; spacing = d; material = Cu; temperature = 800; motion = fixed }\n"
-                 "body b { shape = rectangle 0.2, 0, 0.4, 0.2; spacing = d; material = Al; temperature = 300; motion = fixed }\n",
+                 "body a { shape = rectangle 0, 0, 0.2, 0.2; spacing = d; material = Cu; temperature = 800; "
+                 "motion = fixed }\n"
+                 "body b { shape = rectangle 0.2, 0, 0.4, 0.2; spacing = d; material = Al; temperature = "
+                 "300; motion = fixed }\n",
                  NULL, 3);
     struct measures m = measured_step(&g);
     double heat = energy_of(&g, &m.thermal);
@@ -130,19 +138,23 @@ TEST(a_step_beyond_the_thermal_limit_is_refused)
                   "limit: heat conduction");
 }
 
-/* --- phases ------------------------------------------------------------------------------------------------------ */
+/* --- phases
+ * ------------------------------------------------------------------------------------------------------ */
 
-#define TIN                                                                                                              \
-    "let d = 0.04\n"                                                                                                     \
-    "domain { size = 0.8, 0.4; r_c = 0.06; delta_r = 0.01 }\n"                                                             \
-    "material Sn { rho0 = 7.3; c0 = 0.26; s = 1.5; shear = 0.18; yield = 0.001; tensile = 0.005; tm = 505; cp = 2.3e-6 }\n"
+#define TIN                                                                                                  \
+    "let d = 0.04\n"                                                                                         \
+    "domain { size = 0.8, 0.4; r_c = 0.06; delta_r = 0.01 }\n"                                               \
+    "material Sn { rho0 = 7.3; c0 = 0.26; s = 1.5; shear = 0.18; yield = 0.001; tensile = 0.005; tm = 505; " \
+    "cp = 2.3e-6 }\n"
 
-#define LINES                                                                                                            \
-    TIN "time { dt = 0.02; steps = 10 }\n"                                                                                \
-    "phase Sn high { transition = pressure; p_line = 0.09; t_line = 300; dp_dt = -1e-4; hysteresis_p = 0.02; rho0 = 7.4 }\n"  \
-    "phase Sn liquid { transition = temperature; t_line = 505; dt_dp = 3000; latent = 6e-4; shear = 0; yield = 0; cp = 2.5e-6 }\n" \
-    "phase Sn top { from = high; reversible = no; transition = pressure; p_line = 0.4; t_line = 300 }\n"                     \
-    "body a { shape = rectangle 0, 0, 0.2, 0.2; spacing = d; material = Sn }\n"
+#define LINES                                                                                                \
+    TIN "time { dt = 0.02; steps = 10 }\n"                                                                   \
+        "phase Sn high { transition = pressure; p_line = 0.09; t_line = 300; dp_dt = -1e-4; hysteresis_p = " \
+        "0.02; rho0 = 7.4 }\n"                                                                               \
+        "phase Sn liquid { transition = temperature; t_line = 505; dt_dp = 3000; latent = 6e-4; shear = 0; " \
+        "yield = 0; cp = 2.5e-6 }\n"                                                                         \
+        "phase Sn top { from = high; reversible = no; transition = pressure; p_line = 0.4; t_line = 300 }\n" \
+        "body a { shape = rectangle 0, 0, 0.2, 0.2; spacing = d; material = Sn }\n"
 
 TEST(transitions_are_exactly_at_their_lines)
 {
@@ -170,23 +182,26 @@ TEST(transitions_are_exactly_at_their_lines)
     CHECK_NEAR_REL(phase_radius(m, 0.02, 0, 1), 0.02 * sqrt(7.3 / 7.4), 1e-15);
     CHECK_NEAR_REL(phase_radius(m, phase_radius(m, 0.02, 0, 1), 1, 0), 0.02, 1e-15);
     struct config *c = &g.deck.config;
-    CHECK_NEAR(c->phases[2].state.rho0, 7.4, 0.0);    /* from the phase it forms from */
+    CHECK_NEAR(c->phases[2].state.rho0, 7.4, 0.0);      /* from the phase it forms from */
     CHECK_NEAR(c->phases[1].state.tensile, 0.005, 0.0); /* from the material */
     engine_stop(&g);
 }
 
-/* Heat flows from a hot body into one that melts; every transition takes m L, at whatever temperature it happens. */
+/* Heat flows from a hot body into one that melts; every transition takes m L, at whatever temperature it
+ * happens. */
 TEST(melting_takes_the_latent_heat)
 {
     struct engine g;
     const char *deck =
         TIN "time { dt = 0.01; steps = 100000 }\n"
-        "material Hot { rho0 = 7.3; c0 = 0.26; s = 1.5; cp = 2.3e-6; kappa = 3e-7 }\n"
-        "material Tin { rho0 = 7.3; c0 = 0.26; s = 1.5; cp = 2.3e-6; kappa = 3e-7 }\n"
-        "phase Tin liquid { transition = temperature; t_line = 505; latent = 2e-4; cp = 2.5e-6 }\n"
-        "interaction { linked = yes; kt_ratio = 0 }\ninterface body { linked = yes }\n"
-        "body a { shape = rectangle 0, 0, 0.4, 0.4; spacing = d; material = Hot; temperature = 1200; motion = fixed }\n"
-        "body b { shape = rectangle 0.4, 0, 0.8, 0.4; spacing = d; material = Tin; temperature = 450; motion = fixed }\n";
+            "material Hot { rho0 = 7.3; c0 = 0.26; s = 1.5; cp = 2.3e-6; kappa = 3e-7 }\n"
+            "material Tin { rho0 = 7.3; c0 = 0.26; s = 1.5; cp = 2.3e-6; kappa = 3e-7 }\n"
+            "phase Tin liquid { transition = temperature; t_line = 505; latent = 2e-4; cp = 2.5e-6 }\n"
+            "interaction { linked = yes; kt_ratio = 0 }\ninterface body { linked = yes }\n"
+            "body a { shape = rectangle 0, 0, 0.4, 0.4; spacing = d; material = Hot; temperature = 1200; "
+            "motion = fixed }\n"
+            "body b { shape = rectangle 0.4, 0, 0.8, 0.4; spacing = d; material = Tin; temperature = 450; "
+            "motion = fixed }\n";
     engine_start(&g, deck, NULL, 4);
     struct measures m = measured_step(&g);
     double total = engine_total(&g, &m);
@@ -215,16 +230,18 @@ TEST(melting_takes_the_latent_heat)
     engine_stop(&g);
 }
 
-#define IMPACT                                                                                                           \
-    "let d = 0.04\n"                                                                                                     \
-    "domain { size = 1.4, 0.8; r_c = 0.06; delta_r = 0.01 }\ntime { dt = dt; steps = 300 }\n"                               \
-    "material Ni { rho0 = 8.874; c0 = 0.4602; s = 1.437; shear = 0.855; yield = 0.0014; tensile = 0.02; tm = 1728; cp = 4.4e-6 "  \
-    "; kappa = 9e-12 }\n"                                                                                                  \
-    "phase Ni high { transition = pressure; p_line = 0.06; t_line = 300; dp_dt = -1e-6; hysteresis_p = 0.04; rho0 = 8.98 "     \
-    "; latent = 1e-5; cp = 4.6e-6 }\n"                                                                                      \
-    "interaction { zeta = 0.1; ct_ratio = 0.05; mu = 0.2; a_p = 0.5 }\n"                                                    \
-    "body a { shape = disc 0.35, 0.4, 0.28; spacing = d; material = Ni; velocity = v, 0 }\n"                                \
-    "body b { shape = disc 1.0, 0.42, 0.28; spacing = d; material = Ni; velocity = -v, 0 }\n"                               \
+#define IMPACT                                                                                               \
+    "let d = 0.04\n"                                                                                         \
+    "domain { size = 1.4, 0.8; r_c = 0.06; delta_r = 0.01 }\ntime { dt = dt; steps = 300 }\n"                \
+    "material Ni { rho0 = 8.874; c0 = 0.4602; s = 1.437; shear = 0.855; yield = 0.0014; tensile = 0.02; tm " \
+    "= 1728; cp = 4.4e-6 "                                                                                   \
+    "; kappa = 9e-12 }\n"                                                                                    \
+    "phase Ni high { transition = pressure; p_line = 0.06; t_line = 300; dp_dt = -1e-6; hysteresis_p = "     \
+    "0.04; rho0 = 8.98 "                                                                                     \
+    "; latent = 1e-5; cp = 4.6e-6 }\n"                                                                       \
+    "interaction { zeta = 0.1; ct_ratio = 0.05; mu = 0.2; a_p = 0.5 }\n"                                     \
+    "body a { shape = disc 0.35, 0.4, 0.28; spacing = d; material = Ni; velocity = v, 0 }\n"                 \
+    "body b { shape = disc 1.0, 0.42, 0.28; spacing = d; material = Ni; velocity = -v, 0 }\n"                \
     "let dt = 0.01\nlet v = 0.06\n"
 
 /* Energy book of an impact that makes and undoes a denser phase; the error halves with the step. */
@@ -254,8 +271,10 @@ TEST(the_energy_account_of_a_transition_closes)
         for (size_t i = 0; i < s.n; i++)
             left += s.e[i].kind == 1;
         drift[k] = worst / kinetic;
-        printf("impact: up to %zu of %zu elements in the dense phase, %zu at the end; account up to %.3g, drift %.3g of the "
-               "kinetic energy\n", most, s.n, left, moved / kinetic, drift[k]);
+        printf("impact: up to %zu of %zu elements in the dense phase, %zu at the end; account up to %.3g, "
+               "drift %.3g of the "
+               "kinetic energy\n",
+               most, s.n, left, moved / kinetic, drift[k]);
         CHECK(most > 20 && left < most);
         CHECK(drift[k] < 0.01);
         engine_state_free(&s);
@@ -263,14 +282,24 @@ TEST(the_energy_account_of_a_transition_closes)
     }
 }
 
-/* --- reaction ---------------------------------------------------------------------------------------------------- */
+/* --- reaction
+ * ---------------------------------------------------------------------------------------------------- */
 
-#define METALS                                                                                                           \
-    "material Ni { rho0 = 8.874; c0 = 0.4602; s = 1.437; shear = 0.855; yield = 0.0014; tensile = 0.02; cp = 4.4e-6; kappa = 9e-12 }\n" \
-    "material Al { rho0 = 2.703; c0 = 0.535; s = 1.34; shear = 0.276; yield = 0.0029; tensile = 0.012; cp = 8.97e-6; kappa = 2e-11 }\n" \
-    "material NiAl { rho0 = 5.86; c0 = 0.519; s = 1.5; shear = 0.75; yield = 0.003; tensile = 0.01; cp = 5.4e-6; kappa = 8e-12 }\n"
-static const struct reaction_table some_table = {.any = true, .reactant = {0, 1}, .product = 2, .stoichiometric = true,
-                                                 .share = {0.685, 0.315}, .k0 = 7.0, .theta = 15000.0, .limit = 0.125};
+#define METALS                                                                                               \
+    "material Ni { rho0 = 8.874; c0 = 0.4602; s = 1.437; shear = 0.855; yield = 0.0014; tensile = 0.02; cp " \
+    "= 4.4e-6; kappa = 9e-12 }\n"                                                                            \
+    "material Al { rho0 = 2.703; c0 = 0.535; s = 1.34; shear = 0.276; yield = 0.0029; tensile = 0.012; cp "  \
+    "= 8.97e-6; kappa = 2e-11 }\n"                                                                           \
+    "material NiAl { rho0 = 5.86; c0 = 0.519; s = 1.5; shear = 0.75; yield = 0.003; tensile = 0.01; cp = "   \
+    "5.4e-6; kappa = 8e-12 }\n"
+static const struct reaction_table some_table = {.any = true,
+                                                 .reactant = {0, 1},
+                                                 .product = 2,
+                                                 .stoichiometric = true,
+                                                 .share = {0.685, 0.315},
+                                                 .k0 = 7.0,
+                                                 .theta = 15000.0,
+                                                 .limit = 0.125};
 
 TEST(rates_follow_arrhenius)
 {
@@ -308,15 +337,19 @@ TEST(no_step_takes_more_than_its_part)
 TEST(complete_conversion_gives_the_adiabatic_temperature)
 {
     struct engine g;
-    engine_start(&g,
-                 METALS "domain { size = 0.4, 0.4; r_c = 0.06; delta_r = 0.01 }\ntime { dt = 0.01; steps = 1000 }\n"
-                 "reaction r { reactants = Ni Al; product = NiAl; masses = 8.874, 2.703; k0 = 1e30; ea = 130 kJ/mol\n"
-                 "; heat = 1.54 kJ/g }\n"
-                 "body a { shape = disc 0.2, 0.2, 0.01; spacing = 0.04; origin = 0.2, 0.2; material = Ni; motion = fixed "
-                 "; temperature = 600 }\n"
-                 "body b { shape = disc 0.239, 0.2, 0.01; spacing = 0.04; origin = 0.239, 0.2; material = Al; motion = fixed "
-                 "; temperature = 600 }\n",
-                 NULL, 1);
+    engine_start(
+        &g,
+        METALS
+        "domain { size = 0.4, 0.4; r_c = 0.06; delta_r = 0.01 }\ntime { dt = 0.01; steps = 1000 }\n"
+        "reaction r { reactants = Ni Al; product = NiAl; masses = 8.874, 2.703; k0 = 1e30; ea = 130 kJ/mol\n"
+        "; heat = 1.54 kJ/g }\n"
+        "body a { shape = disc 0.2, 0.2, 0.01; spacing = 0.04; origin = 0.2, 0.2; material = Ni; motion = "
+        "fixed "
+        "; temperature = 600 }\n"
+        "body b { shape = disc 0.239, 0.2, 0.01; spacing = 0.04; origin = 0.239, 0.2; material = Al; motion "
+        "= fixed "
+        "; temperature = 600 }\n",
+        NULL, 1);
     struct measures m = measured_step(&g);
     double total = engine_total(&g, &m), chemical = energy_of(&g, &m.chemical);
     struct engine_state s = engine_collect(&g, false);
@@ -342,14 +375,19 @@ TEST(complete_conversion_gives_the_adiabatic_temperature)
     engine_stop(&g);
 }
 
-#define MIXTURE                                                                                                          \
-    METALS "let dt = 0.004\nlet k0 = 1e4\nlet v = 0.08\nlet d = 0.04\nlet h = 24*d*sqrt(3)/2\n"                                                   \
-    "domain { size = 1.4, h; boundary = free periodic; r_c = 0.06; delta_r = 0.01 }\ntime { dt = dt; steps = 600 }\n"      \
-    "phase Al liquid { transition = temperature; t_line = 933; dt_dp = 6000; latent = 0.4 kJ/g; rho0 = 2.6; shear = 0; yield = 0 }\n" \
-    "reaction r { reactants = Ni Al; product = NiAl; kind = non-stoichiometric; k0 = k0; ea = 60 kJ/mol; heat = 1.54 kJ/g }\n" \
-    "interaction { zeta = 0.1; ct_ratio = 0.05; mu = 0.2; a_p = 0.5; a_t = 1e-4 }\n"                                          \
-    "body a { shape = rectangle 0, 0, 0.6, h; spacing = d; mix = Ni 0.5, Al 0.5; velocity = v, 0; temperature = 700 }\n"    \
-    "body b { shape = rectangle 0.65, 0, 1.4, h; spacing = d; mix = Ni 0.5, Al 0.5; velocity = -v, 0; temperature = 700; seed = 3 }\n"
+#define MIXTURE                                                                                              \
+    METALS "let dt = 0.004\nlet k0 = 1e4\nlet v = 0.08\nlet d = 0.04\nlet h = 24*d*sqrt(3)/2\n"              \
+           "domain { size = 1.4, h; boundary = free periodic; r_c = 0.06; delta_r = 0.01 }\ntime { dt = "    \
+           "dt; steps = 600 }\n"                                                                             \
+           "phase Al liquid { transition = temperature; t_line = 933; dt_dp = 6000; latent = 0.4 kJ/g; "     \
+           "rho0 = 2.6; shear = 0; yield = 0 }\n"                                                            \
+           "reaction r { reactants = Ni Al; product = NiAl; kind = non-stoichiometric; k0 = k0; ea = 60 "    \
+           "kJ/mol; heat = 1.54 kJ/g }\n"                                                                    \
+           "interaction { zeta = 0.1; ct_ratio = 0.05; mu = 0.2; a_p = 0.5; a_t = 1e-4 }\n"                  \
+           "body a { shape = rectangle 0, 0, 0.6, h; spacing = d; mix = Ni 0.5, Al 0.5; velocity = v, 0; "   \
+           "temperature = 700 }\n"                                                                           \
+           "body b { shape = rectangle 0.65, 0, 1.4, h; spacing = d; mix = Ni 0.5, Al 0.5; velocity = -v, "  \
+           "0; temperature = 700; seed = 3 }\n"
 
 /* Species masses: of each element its own stays; what is not A or B is product. */
 TEST(a_mixture_conserves_and_stays_positive)
@@ -359,7 +397,8 @@ TEST(a_mixture_conserves_and_stays_positive)
         struct engine g;
         engine_start(&g, MIXTURE, defines[k], 2);
         struct measures m = measured_step(&g);
-        double total = engine_total(&g, &m), scale = energy_of(&g, &m.kinetic) + energy_of(&g, &m.thermal), least = 1.0;
+        double total = engine_total(&g, &m), scale = energy_of(&g, &m.kinetic) + energy_of(&g, &m.thermal),
+               least = 1.0;
         engine_run(&g, 300);
         m = measured_step(&g);
         struct engine_state s = engine_collect(&g, true);
@@ -372,8 +411,9 @@ TEST(a_mixture_conserves_and_stays_positive)
             liquid += s.e[i].kind == 3;
             left += s.e[i].mass * (s.e[i].share[0] + s.e[i].share[1]);
         }
-        printf("mixture: %zu of %zu elements are product, %zu liquid; total off by %.2g of kinetic and thermal\n", product, s.n,
-               liquid, (engine_total(&g, &m) - total) / scale);
+        printf("mixture: %zu of %zu elements are product, %zu liquid; total off by %.2g of kinetic and "
+               "thermal\n",
+               product, s.n, liquid, (engine_total(&g, &m) - total) / scale);
         CHECK(least >= 0.0);
         /* One move lies between the evaluation that the measures are of and the state. */
         CHECK(energy_of(&g, &m.chemical) >= 1.54e-2 * left * (1 - 1e-12));
@@ -388,13 +428,15 @@ TEST(a_mixture_conserves_and_stays_positive)
 TEST(a_stoichiometric_mixture_takes_both_in_proportion)
 {
     struct engine g;
-    engine_start(&g,
-                 METALS "domain { size = 0.8, 0.8; r_c = 0.06; delta_r = 0.01 }\ntime { dt = 0.01; steps = 1000 }\n"
-                 "reaction r { reactants = Ni Al; product = NiAl; masses = 58.693, 26.982; k0 = 1e3; ea = 60 kJ/mol\n"
-                 "             heat = 1.54 kJ/g }\n"
-                 "body a { shape = rectangle 0, 0, 0.8, 0.8; spacing = 0.04; radius = 0.0201; mix = Ni 0.5, Al 0.5\n"
-                 "         motion = fixed; temperature = 700 }\n",
-                 NULL, 3);
+    engine_start(
+        &g,
+        METALS
+        "domain { size = 0.8, 0.8; r_c = 0.06; delta_r = 0.01 }\ntime { dt = 0.01; steps = 1000 }\n"
+        "reaction r { reactants = Ni Al; product = NiAl; masses = 58.693, 26.982; k0 = 1e3; ea = 60 kJ/mol\n"
+        "             heat = 1.54 kJ/g }\n"
+        "body a { shape = rectangle 0, 0, 0.8, 0.8; spacing = 0.04; radius = 0.0201; mix = Ni 0.5, Al 0.5\n"
+        "         motion = fixed; temperature = 700 }\n",
+        NULL, 3);
     struct measures m = measured_step(&g);
     double total = engine_total(&g, &m), lost[2] = {0.0, 0.0};
     for (int n = 0; n < 20; n++)
@@ -468,9 +510,10 @@ TEST(a_restart_goes_on_with_the_same_bits)
     engine_stop(&h);
 }
 
-/* --- decks that make no sense -------------------------------------------------------------------------------------- */
+/* --- decks that make no sense
+ * -------------------------------------------------------------------------------------- */
 
-#define FRAME METALS "domain { size = 1, 1; r_c = 0.06; delta_r = 0.01 }\ntime { dt = 0.01; steps = 1 }\n"
+#define FRAME    METALS "domain { size = 1, 1; r_c = 0.06; delta_r = 0.01 }\ntime { dt = 0.01; steps = 1 }\n"
 #define SPECIMEN "body a { shape = rectangle 0, 0, 0.2, 0.2; spacing = 0.04; material = Al }\n"
 
 TEST(bad_chemistry_is_refused)
@@ -479,14 +522,17 @@ TEST(bad_chemistry_is_refused)
                   "is already the phase 'liquid'");
     check_refused(FRAME SPECIMEN "phase Al high { transition = pressure; p_line = -0.1; t_line = 300 }\n",
                   "is already the phase 'high'");
+    check_refused(
+        FRAME SPECIMEN
+        "phase Al liquid { transition = temperature; t_line = 933; latent = 0.4 kJ/g; hysteresis_t = 100 }\n",
+        "it would go back at once");
     check_refused(FRAME SPECIMEN
-                  "phase Al liquid { transition = temperature; t_line = 933; latent = 0.4 kJ/g; hysteresis_t = 100 }\n",
-                  "it would go back at once");
-    check_refused(FRAME SPECIMEN "phase Al high { from = low; transition = pressure; p_line = 0.1; t_line = 300 }\n",
+                  "phase Al high { from = low; transition = pressure; p_line = 0.1; t_line = 300 }\n",
                   "the material 'Al' has no phase 'low' before this one");
     check_refused(FRAME SPECIMEN "phase Ti high { transition = pressure; p_line = 0.1; t_line = 300 }\n",
                   "there is no material 'Ti'");
-    check_refused(FRAME SPECIMEN "phase Al high { transition = pressure; t_line = 300; rho0 = -1 }\n", "'rho0' must be greater");
+    check_refused(FRAME SPECIMEN "phase Al high { transition = pressure; t_line = 300; rho0 = -1 }\n",
+                  "'rho0' must be greater");
     check_refused(FRAME SPECIMEN "phase Al high { t_line = 300 }\n", "lacks 'transition'");
     check_refused(FRAME SPECIMEN "phase Al a { transition = pressure; p_line = 1; t_line = 300 }\n"
                                  "phase Al a { transition = pressure; p_line = 1; t_line = 300 }\n",
@@ -494,8 +540,10 @@ TEST(bad_chemistry_is_refused)
     check_refused(FRAME SPECIMEN "material X { rho0 = 1; c0 = 0.3; s = 1 }\n"
                                  "phase X liquid { transition = temperature; t_line = 933 }\n",
                   "lacks 'cp'");
-    check_refused(FRAME SPECIMEN "interaction { scope = all }\nphase Al a { transition = pressure; p_line = 1; t_line = 300 }\n",
-                  "need interactions of scope linked");
+    check_refused(
+        FRAME SPECIMEN
+        "interaction { scope = all }\nphase Al a { transition = pressure; p_line = 1; t_line = 300 }\n",
+        "need interactions of scope linked");
 #define REACTION(what) FRAME SPECIMEN "reaction r { " what " }\n"
     check_refused(REACTION("reactants = Ni Ti; product = NiAl; masses = 1, 1; k0 = 1; ea = 1; heat = 1"),
                   "there is no material 'Ti'");
@@ -504,23 +552,35 @@ TEST(bad_chemistry_is_refused)
                   "must be three materials");
     check_refused(REACTION("reactants = Ni Al; product = NiAl; masses = 1, 1; k0 = -1; ea = 1; heat = 1"),
                   "'k0' must be greater than 0");
-    check_refused(REACTION("reactants = Ni Al; product = NiAl; masses = 1, 1; k0 = 1; heat = 1"), "lacks 'ea'");
-    check_refused(REACTION("reactants = Ni Al; product = NiAl; masses = 1, 1; k0 = 1; ea = 1; heat = 1")
-                  "reaction s { reactants = Ni Al; product = NiAl; masses = 1, 1; k0 = 1; ea = 1; heat = 1 }\n",
-                  "more than 1 blocks 'reaction'");
-    check_refused(FRAME SPECIMEN "material X { rho0 = 1; c0 = 0.3; s = 1 }\n"
-                                 "reaction r { reactants = Ni X; product = NiAl; masses = 1, 1; k0 = 1; ea = 1; heat = 1 }\n",
-                  "'X' lacks 'cp', which its reaction needs");
-    check_refused(FRAME SPECIMEN "material X { rho0 = 1; c0 = 0.3; s = 1; cp = 1e-6; t0 = 290 }\n"
-                                 "reaction r { reactants = Ni X; product = NiAl; masses = 1, 1; k0 = 1; ea = 1; heat = 1 }\n",
-                  "need the same");
+    check_refused(REACTION("reactants = Ni Al; product = NiAl; masses = 1, 1; k0 = 1; heat = 1"),
+                  "lacks 'ea'");
+    check_refused(
+        REACTION(
+            "reactants = Ni Al; product = NiAl; masses = 1, 1; k0 = 1; ea = 1; heat = 1") "reaction s { "
+                                                                                          "reactants = Ni "
+                                                                                          "Al; product = "
+                                                                                          "NiAl; masses = 1, "
+                                                                                          "1; k0 = 1; ea = "
+                                                                                          "1; heat = 1 }\n",
+        "more than 1 blocks 'reaction'");
+    check_refused(
+        FRAME SPECIMEN
+        "material X { rho0 = 1; c0 = 0.3; s = 1 }\n"
+        "reaction r { reactants = Ni X; product = NiAl; masses = 1, 1; k0 = 1; ea = 1; heat = 1 }\n",
+        "'X' lacks 'cp', which its reaction needs");
+    check_refused(
+        FRAME SPECIMEN
+        "material X { rho0 = 1; c0 = 0.3; s = 1; cp = 1e-6; t0 = 290 }\n"
+        "reaction r { reactants = Ni X; product = NiAl; masses = 1, 1; k0 = 1; ea = 1; heat = 1 }\n",
+        "need the same");
 }
 
 TEST_MAIN(CASE(a_rod_follows_the_series_solution), CASE(two_bodies_reach_the_mixing_temperature),
           CASE(a_step_beyond_the_thermal_limit_is_refused), CASE(transitions_are_exactly_at_their_lines),
           CASE(melting_takes_the_latent_heat), CASE(the_energy_account_of_a_transition_closes),
           CASE(rates_follow_arrhenius), CASE(no_step_takes_more_than_its_part),
-          CASE(complete_conversion_gives_the_adiabatic_temperature), CASE(a_mixture_conserves_and_stays_positive),
+          CASE(complete_conversion_gives_the_adiabatic_temperature),
+          CASE(a_mixture_conserves_and_stays_positive),
           CASE(a_stoichiometric_mixture_takes_both_in_proportion),
           CASE(any_number_of_ranks_gives_the_same_bits), CASE(a_restart_goes_on_with_the_same_bits),
           CASE(bad_chemistry_is_refused))
