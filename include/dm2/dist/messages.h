@@ -18,7 +18,7 @@
 #include "dm2/sim/deck.h"
 #include "dm2/sim/measures.h"
 
-enum { PROTOCOL_VERSION = 2 };
+enum { PROTOCOL_VERSION = 3 };
 
 enum { DEFAULT_PORT = 4702 }; /* of a server; the one place where it is written */
 
