@@ -325,8 +325,9 @@ void message_get_error(struct bytes_reader *r, struct error_message *m)
 
 const char *message_name(uint8_t type, char buffer[16])
 {
-    static const char *const names[] = {"type 0", "HELLO", "WELCOME", "DECK",  "ANSWER", "ASSIGN",
-                                        "READY",  "STEP",  "NEXT",    "STATE", "DONE",   "ERROR"};
+    static const char *const names[] = {"type 0", "HELLO", "WELCOME", "DECK",  "ANSWER",    "ASSIGN",
+                                        "READY",  "STEP",  "NEXT",    "STATE", "DONE",      "ERROR",
+                                        "KNOCK",  "CHALLENGE", "PROOF", "GRANT"};
     if (type < sizeof names / sizeof names[0])
         return names[type];
     (void)snprintf(buffer, 16, "type %u", type);
