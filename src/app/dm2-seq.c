@@ -29,6 +29,7 @@ struct sequence {
     struct parcel parcel;
     struct element *elements; /* room for a state */
     struct element_measure *measured;
+    struct profile_bin *bins; /* room for a profile */
     struct run_report report;
     struct server_report server;
 };
@@ -54,6 +55,29 @@ static enum dm2_status write_state(struct sequence *s, bool final, struct dm2_er
     else if (status == DM2_OK)
         status = results_snapshot(s->results, step, s->elements, s->measured, n, pairs, n_pairs, err);
     free(pairs);
+    s->report.output += clock_now() - started;
+    return status;
+}
+
+/* The profiles that are due at the present state. */
+static enum dm2_status write_profiles(struct sequence *s, struct dm2_error *err)
+{
+    const struct config *c = &s->run->config;
+    int64_t step = subdomain_step(s->sd);
+    double started = clock_now();
+    enum dm2_status status = DM2_OK;
+    for (size_t k = 0; k < c->n_profiles && status == DM2_OK; k++) {
+        size_t bytes = (size_t)c->profiles[k].bins * sizeof *s->bins;
+        if (!results_profile_due(c, k, step))
+            continue;
+        free(s->bins);
+        s->bins = mem_zalloc(1, bytes);
+        if (s->bins == NULL)
+            return dm2_fail(err, DM2_MEMORY, "no memory for a profile of %lld bins", (long long)c->profiles[k].bins);
+        status = subdomain_profile(s->sd, k, s->bins, err);
+        if (status == DM2_OK)
+            status = results_profile(s->results, k, step, s->bins, err);
+    }
     s->report.output += clock_now() - started;
     return status;
 }
@@ -87,16 +111,18 @@ static enum dm2_status step(struct sequence *s, struct dm2_error *err)
     int64_t n = subdomain_step(s->sd);
     bool history = results_history_due(c, n), snapshot = results_snapshot_due(c, n);
     struct measures measures;
-    double dmax, started = clock_now();
-    enum dm2_status status = subdomain_forces(s->sd, history || snapshot, err);
+    double dmax, started = clock_now(), output = s->report.output;
+    enum dm2_status status = subdomain_forces(s->sd, results_measure_due(c, n), err);
     if (status == DM2_OK && snapshot)
         status = write_state(s, false, err);
+    if (status == DM2_OK)
+        status = write_profiles(s, err);
     if (status == DM2_OK)
         status = subdomain_move(s->sd, &dmax, history ? &measures : NULL, err);
     if (status == DM2_OK && rebuild_plan_step(&s->plan, dmax))
         status = rebuild(s, err);
     if (!snapshot) { /* a step with a snapshot is not a time step alone */
-        s->report.stepping += clock_now() - started;
+        s->report.stepping += clock_now() - started - (s->report.output - output);
         s->report.timed++;
     }
     started = clock_now();
@@ -117,6 +143,8 @@ static enum dm2_status finish(struct sequence *s, struct dm2_error *err)
         status = subdomain_forces(s->sd, true, err);
     if (status == DM2_OK && results_snapshot_due(c, c->steps))
         status = write_state(s, false, err);
+    if (status == DM2_OK)
+        status = write_profiles(s, err);
     if (status == DM2_OK)
         status = subdomain_measure_last(s->sd, &measures, err);
     if (status == DM2_OK && results_history_due(c, c->steps))
@@ -204,6 +232,7 @@ static enum dm2_status run_all(struct sequence *s, const struct decomposition *d
     subdomain_free(s->sd);
     free(s->elements);
     free(s->measured);
+    free(s->bins);
     return status;
 }
 

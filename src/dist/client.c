@@ -4,7 +4,7 @@
  * server its message and then gathers one answer from each with poll, in whatever order they come. During the
  * steps
  *
- *     gather   STEP from every rank, with the STATE parts of a snapshot before it where one is due
+ *     gather   STEP from every rank, with the STATE parts of a snapshot and PROFILE sums before it where they are due
  *     decide   sums of counts, dmax, dumax: was this exchange of the right kind, what will the next one be
  *     route    segments to their destinations, straight out of the buffers they came in
  *     send     NEXT to every rank
@@ -57,6 +57,14 @@ struct compilation {
     int left;     /* servers whose part is not complete */
 };
 
+/* The sums of a profile on their way in. */
+struct profile_part {
+    struct profile_bin *bins;
+    bool *came;   /* from which server */
+    bool due;
+    int left;     /* servers whose part has not come */
+};
+
 struct client {
     const struct client_job *job;
     const struct client_options *options;
@@ -68,6 +76,8 @@ struct client {
     struct relay relay;
     struct relay_source *sources;
     struct compilation snapshot, final;
+    struct profile_part *profiles; /* of the deck */
+    int64_t profile_step;          /* that they are of */
     struct rebuild_plan plan;
     int64_t at; /* step for messages: -1 before the first */
     struct run_report report;
@@ -182,6 +192,27 @@ static enum dm2_status answer_challenge(struct client *c, int rank, struct bytes
     return status == DM2_OK ? DM2_OK : peer_failed(c, rank, status, why.text, err);
 }
 
+static enum dm2_status take_profile(struct client *c, int rank, struct bytes_reader *r, struct dm2_error *err)
+{
+    const struct config *config = c->job->config;
+    struct profile_message m;
+    message_get_profile(r, &m);
+    if (r->failed)
+        return not_decoded(c, rank, "PROFILE", err);
+    if (m.which >= config->n_profiles || !c->profiles[m.which].due || c->profiles[m.which].came[rank] ||
+        m.step != c->profile_step || m.n_bins != (size_t)config->profiles[m.which].bins)
+        return peer_failed(c, rank, DM2_PROTOCOL, "it sent a profile that is not due", err);
+    struct profile_part *p = &c->profiles[m.which];
+    for (size_t k = 0; k < m.n_bins; k++) {
+        struct profile_bin bin;
+        wire_get_bin(r, &bin);
+        profile_merge(&p->bins[k], &bin, 1);
+    }
+    p->came[rank] = true;
+    p->left--;
+    return DM2_OK;
+}
+
 /* Takes all frames that have arrived from one server. */
 static enum dm2_status take_frames(struct client *c, int rank, enum message_type type, uint32_t limit,
                                    take_answer take, struct dm2_error *err)
@@ -203,6 +234,8 @@ static enum dm2_status take_frames(struct client *c, int rank, enum message_type
             status = take_state(c, rank, &r, err);
         } else if (f.type == MESSAGE_CHALLENGE && type == MESSAGE_GRANT && !p->challenged) {
             status = answer_challenge(c, rank, &r, err);
+        } else if (f.type == MESSAGE_PROFILE) {
+            status = take_profile(c, rank, &r, err);
         } else if (f.type == type) {
             p->awaited = false;
             status = take(c, rank, &r, err);
@@ -594,6 +627,35 @@ static enum dm2_status write_state(struct client *c, struct compilation *state, 
                             m->n_pairs, err);
 }
 
+static void expect_profiles(struct client *c, int64_t step)
+{
+    const struct config *config = c->job->config;
+    c->profile_step = step;
+    for (size_t k = 0; k < config->n_profiles; k++) {
+        struct profile_part *p = &c->profiles[k];
+        p->due = results_profile_due(config, k, step);
+        p->left = p->due ? c->ranks : 0;
+        memset(p->bins, 0, (size_t)config->profiles[k].bins * sizeof *p->bins);
+        memset(p->came, 0, (size_t)c->ranks * sizeof *p->came);
+    }
+}
+
+static enum dm2_status write_profiles(struct client *c, struct dm2_error *err)
+{
+    enum dm2_status status = DM2_OK;
+    for (size_t k = 0; k < c->job->config->n_profiles && status == DM2_OK; k++) {
+        struct profile_part *p = &c->profiles[k];
+        if (!p->due)
+            continue;
+        p->due = false;
+        if (p->left > 0)
+            return dm2_fail(err, DM2_PROTOCOL, "step %lld: a server did not send its part of the profile '%s'",
+                            (long long)c->profile_step, c->job->config->profiles[k].name);
+        status = results_profile(c->job->results, k, c->profile_step, p->bins, err);
+    }
+    return status;
+}
+
 /* Decides, routes and sends: what ends one step and starts the next. *rebuild is how this exchange was asked
  * for, and becomes how the next one will be. */
 static enum dm2_status exchange_step(struct client *c, bool *rebuild, double dmax, struct dm2_error *err)
@@ -634,9 +696,10 @@ static enum dm2_status step(struct client *c, int64_t n, bool *rebuild, struct d
     double start = clock_now();
     c->at = n + 1;
     expect_state(c, &c->snapshot, snapshot, n);
+    expect_profiles(c, n);
     enum dm2_status status = gather(c, MESSAGE_STEP, LIMIT_STEP, take_step, false, err);
     if (status == DM2_OK)
-        status = sum_up(c, *rebuild, history || snapshot, hashed, &sum, err);
+        status = sum_up(c, *rebuild, results_measure_due(config, n), hashed, &sum, err);
     if (status == DM2_OK)
         status = exchange_step(c, rebuild, sum.dmax, err);
     if (status != DM2_OK)
@@ -648,6 +711,8 @@ static enum dm2_status step(struct client *c, int64_t n, bool *rebuild, struct d
     }
     if (history)
         status = results_history(c->job->results, n, &sum.measures, err);
+    if (status == DM2_OK)
+        status = write_profiles(c, err);
     if (snapshot && status == DM2_OK)
         status = write_state(c, &c->snapshot, err);
     c->report.output += clock_now() - sent;
@@ -685,6 +750,7 @@ static enum dm2_status finish(struct client *c, struct dm2_error *err)
     bool snapshot = results_snapshot_due(config, config->steps);
     expect_state(c, &c->final, true, config->steps);
     expect_state(c, &c->snapshot, snapshot, config->steps);
+    expect_profiles(c, config->steps);
     for (int k = 0; k < c->ranks; k++)
         c->peers[k].awaited = true;
     enum dm2_status status = gather(c, MESSAGE_DONE, LIMIT_STATE, take_done, false, err);
@@ -693,6 +759,8 @@ static enum dm2_status finish(struct client *c, struct dm2_error *err)
         measures_merge(&sum, &c->peers[k].done.measures);
     if (status == DM2_OK && results_history_due(config, config->steps))
         status = results_history(c->job->results, config->steps, &sum, err);
+    if (status == DM2_OK)
+        status = write_profiles(c, err);
     if (status == DM2_OK && snapshot)
         status = write_state(c, &c->snapshot, err);
     if (status == DM2_OK)
@@ -715,6 +783,29 @@ static enum dm2_status run_steps(struct client *c, struct dm2_error *err)
     return status;
 }
 
+static enum dm2_status open_profiles(struct client *c, struct dm2_error *err)
+{
+    const struct config *config = c->job->config;
+    c->profiles = mem_zalloc(config->n_profiles, sizeof *c->profiles);
+    for (size_t k = 0; k < config->n_profiles && c->profiles != NULL; k++) {
+        struct profile_part *p = &c->profiles[k];
+        p->bins = mem_zalloc((size_t)config->profiles[k].bins, sizeof *p->bins);
+        p->came = mem_zalloc((size_t)c->ranks, sizeof *p->came);
+        if (p->bins == NULL || p->came == NULL)
+            return dm2_fail(err, DM2_MEMORY, "no memory for the profile '%s'", config->profiles[k].name);
+    }
+    return c->profiles != NULL ? DM2_OK : dm2_fail(err, DM2_MEMORY, "no memory for profiles");
+}
+
+static void close_profiles(struct client *c)
+{
+    for (size_t k = 0; c->profiles != NULL && k < c->job->config->n_profiles; k++) {
+        free(c->profiles[k].bins);
+        free(c->profiles[k].came);
+    }
+    free(c->profiles);
+}
+
 static enum dm2_status open_client(struct client *c, struct dm2_error *err)
 {
     size_t n = (size_t)c->ranks;
@@ -730,7 +821,8 @@ static enum dm2_status open_client(struct client *c, struct dm2_error *err)
     state_merge_open(&c->snapshot.merge, limits);
     state_merge_open(&c->final.merge, limits);
     rebuild_plan_start(&c->plan, c->job->config);
-    return relay_open(&c->relay, c->ranks, err);
+    enum dm2_status status = open_profiles(c, err);
+    return status != DM2_OK ? status : relay_open(&c->relay, c->ranks, err);
 }
 
 /* Closes every connection; after a failure the servers learn why, as far as they listen. */
@@ -753,6 +845,7 @@ static void close_client(struct client *c, enum dm2_status status, const struct 
     relay_free(&c->relay);
     state_merge_free(&c->snapshot.merge);
     state_merge_free(&c->final.merge);
+    close_profiles(c);
     bytes_free(&c->out);
     free(c->peers);
     free(c->polls);

@@ -261,6 +261,21 @@ void message_get_state(struct bytes_reader *r, struct state_message *m)
     require(r, m->n_elements * each + m->n_pairs * WIRE_PAIR == left);
 }
 
+void message_put_profile(struct bytes_writer *w, const struct profile_message *m)
+{
+    bytes_put_i64(w, m->step);
+    bytes_put_u16(w, (uint16_t)m->which);
+    bytes_put_u32(w, (uint32_t)m->n_bins);
+}
+
+void message_get_profile(struct bytes_reader *r, struct profile_message *m)
+{
+    m->step = bytes_get_i64(r);
+    m->which = bytes_get_u16(r);
+    m->n_bins = bytes_get_u32(r);
+    require(r, m->n_bins * (uint64_t)WIRE_BIN == bytes_remaining(r));
+}
+
 void message_put_done(struct bytes_writer *w, const struct done_message *m)
 {
     const struct server_times *t = &m->times;
@@ -325,10 +340,26 @@ void message_get_error(struct bytes_reader *r, struct error_message *m)
 
 const char *message_name(uint8_t type, char buffer[16])
 {
-    static const char *const names[] = {"type 0", "HELLO", "WELCOME", "DECK",  "ANSWER",    "ASSIGN",
-                                        "READY",  "STEP",  "NEXT",    "STATE", "DONE",      "ERROR",
-                                        "KNOCK",  "CHALLENGE", "PROOF", "GRANT"};
-    if (type < sizeof names / sizeof names[0])
+    static const char *const names[] = {
+        [0] = "type 0",
+        [MESSAGE_HELLO] = "HELLO",
+        [MESSAGE_WELCOME] = "WELCOME",
+        [MESSAGE_DECK] = "DECK",
+        [MESSAGE_ANSWER] = "ANSWER",
+        [MESSAGE_ASSIGN] = "ASSIGN",
+        [MESSAGE_READY] = "READY",
+        [MESSAGE_STEP] = "STEP",
+        [MESSAGE_NEXT] = "NEXT",
+        [MESSAGE_STATE] = "STATE",
+        [MESSAGE_DONE] = "DONE",
+        [MESSAGE_ERROR] = "ERROR",
+        [MESSAGE_PROFILE] = "PROFILE",
+        [MESSAGE_KNOCK] = "KNOCK",
+        [MESSAGE_CHALLENGE] = "CHALLENGE",
+        [MESSAGE_PROOF] = "PROOF",
+        [MESSAGE_GRANT] = "GRANT",
+    };
+    if (type < sizeof names / sizeof names[0] && names[type] != NULL)
         return names[type];
     (void)snprintf(buffer, 16, "type %u", type);
     return buffer;

@@ -414,6 +414,32 @@ static enum dm2_status send_state(struct session *s, enum state_purpose purpose,
     return status;
 }
 
+/* The profiles that are due, one message each. */
+static enum dm2_status send_profiles(struct session *s, struct dm2_error *err)
+{
+    double start = clock_now();
+    int64_t step = subdomain_step(s->sd);
+    enum dm2_status status = DM2_OK;
+    for (size_t k = 0; k < s->config.n_profiles && status == DM2_OK; k++) {
+        struct profile_message m = {.step = step, .which = k, .n_bins = (size_t)s->config.profiles[k].bins};
+        if (!results_profile_due(&s->config, k, step))
+            continue;
+        struct profile_bin *bins = mem_zalloc(m.n_bins, sizeof *bins);
+        if (bins == NULL)
+            return dm2_fail(err, DM2_MEMORY, "no memory for a profile of %zu bins", m.n_bins);
+        status = subdomain_profile(s->sd, k, bins, err);
+        bytes_clear(&s->out);
+        message_put_profile(&s->out, &m);
+        for (size_t b = 0; b < m.n_bins; b++)
+            wire_put_bin(&s->out, &bins[b]);
+        free(bins);
+        if (status == DM2_OK)
+            status = send_out(s, MESSAGE_PROFILE, err);
+    }
+    s->times.output += clock_now() - start;
+    return status;
+}
+
 /* --- steps ------------------------------------------------------------------------------------------------
  */
 
@@ -515,13 +541,14 @@ static enum dm2_status exchange_step(struct session *s, struct step_message *m, 
 
 static enum dm2_status step(struct session *s, int64_t n, bool *rebuild, struct dm2_error *err)
 {
-    bool snapshot = results_snapshot_due(&s->config, n),
-         measure = snapshot || results_history_due(&s->config, n);
+    bool snapshot = results_snapshot_due(&s->config, n), measure = results_measure_due(&s->config, n);
     struct step_message m = {.step = n + 1, .measured = measure};
     int64_t every = s->assign.hash_every;
     enum dm2_status status = subdomain_forces(s->sd, measure, err);
     if (status == DM2_OK && snapshot)
         status = send_state(s, STATE_SNAPSHOT, err);
+    if (status == DM2_OK)
+        status = send_profiles(s, err);
     if (status == DM2_OK)
         status = subdomain_move(s->sd, &m.dmax, measure ? &m.measures : NULL, err);
     m.hashed = every > 0 && (m.step % every == 0 || m.step == s->config.steps);
@@ -554,6 +581,8 @@ static enum dm2_status finish(struct session *s, struct dm2_error *err)
         status = subdomain_forces(s->sd, true, err);
     if (status == DM2_OK && results_snapshot_due(&s->config, s->config.steps))
         status = send_state(s, STATE_SNAPSHOT, err);
+    if (status == DM2_OK)
+        status = send_profiles(s, err);
     if (status == DM2_OK)
         status = subdomain_measure_last(s->sd, &done.measures, err);
     if (status != DM2_OK)

@@ -189,6 +189,30 @@ void wire_get_measures(struct bytes_reader *r, struct measures *out)
     }
 }
 
+void wire_put_bin(struct bytes_writer *w, const struct profile_bin *b)
+{
+    bytes_put_u64(w, b->elements);
+    put_sum(w, &b->mass);
+    put_sum(w, &b->momentum[0]);
+    put_sum(w, &b->momentum[1]);
+    put_sum(w, &b->volume);
+    for (int a = 0; a < 3; a++)
+        put_sum(w, &b->stress[a]);
+    put_sum(w, &b->temperature);
+}
+
+void wire_get_bin(struct bytes_reader *r, struct profile_bin *out)
+{
+    out->elements = bytes_get_u64(r);
+    get_sum(r, &out->mass);
+    get_sum(r, &out->momentum[0]);
+    get_sum(r, &out->momentum[1]);
+    get_sum(r, &out->volume);
+    for (int a = 0; a < 3; a++)
+        get_sum(r, &out->stress[a]);
+    get_sum(r, &out->temperature);
+}
+
 static void put_elements(struct bytes_writer *w, const struct element *e, size_t n, bool mirrors)
 {
     bytes_put_u32(w, (uint32_t)n);

@@ -59,6 +59,9 @@ void config_free(struct config *c)
     free(c->materials);
     free(c->bodies);
     free(c->probes);
+    free(c->profiles);
+    free(c->voids);
+    free(c->flaws);
     free(c->rules);
     free(c->output.snapshot_at);
     memset(c, 0, sizeof *c);

@@ -72,7 +72,8 @@ static void check_single(struct deck_binding *b, size_t block)
 
 static bool named(enum block_kind kind)
 {
-    return kind == BLOCK_MATERIAL || kind == BLOCK_BODY || kind == BLOCK_PROBE;
+    return kind == BLOCK_MATERIAL || kind == BLOCK_BODY || kind == BLOCK_PROBE || kind == BLOCK_PROFILE ||
+           kind == BLOCK_VOID || kind == BLOCK_FLAW;
 }
 
 /* Is the number of names between the word and the brace right, and can they be names? */
@@ -109,9 +110,14 @@ static bool find_kinds(struct deck_binding *b)
     b->material_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
     b->body_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
     b->probe_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
+    b->profile_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
     b->rule_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
+    b->void_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
+    b->flaw_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
+    if (b->void_block == NULL || b->flaw_block == NULL)
+        return false;
     if (b->kinds == NULL || b->material_block == NULL || b->body_block == NULL || b->probe_block == NULL ||
-        b->rule_block == NULL)
+        b->profile_block == NULL || b->rule_block == NULL)
         return false;
     for (int kind = 0; kind < BLOCK_COUNT; kind++)
         b->single[kind] = tree->n_blocks;
@@ -325,6 +331,61 @@ static bool bind_probes(struct deck_binding *b)
     return n == 0 || name_things(b, b->probe_block, n, c->probes[0].name, sizeof *c->probes);
 }
 
+/* After domain and time, which the defaults come from. */
+static bool bind_profiles(struct deck_binding *b)
+{
+    struct config *c = b->config;
+    size_t n = collect(b, BLOCK_PROFILE, PROFILE_MAX, b->profile_block, 0);
+    c->profiles = mem_zalloc(n, sizeof *c->profiles);
+    if (c->profiles == NULL)
+        return false;
+    c->n_profiles = n;
+    for (size_t i = 0; i < n; i++) {
+        struct profile_config *profile = &c->profiles[i];
+        size_t block = b->profile_block[i];
+        schema_defaults(schema_block(BLOCK_PROFILE), profile);
+        read_block(b, block, profile);
+        if (entry_of(b, block, "range") == NULL) {
+            profile->range[0] = c->origin[profile->axis];
+            profile->range[1] = c->origin[profile->axis] + c->size[profile->axis];
+        }
+        if (profile->every < 1)
+            profile->every = c->steps / 20 > 1 ? c->steps / 20 : 1;
+    }
+    return n == 0 || name_things(b, b->profile_block, n, c->profiles[0].name, sizeof *c->profiles);
+}
+
+static bool bind_voids(struct deck_binding *b)
+{
+    struct config *c = b->config;
+    size_t n = collect(b, BLOCK_VOID, VOID_MAX, b->void_block, 0);
+    c->voids = mem_zalloc(n, sizeof *c->voids);
+    if (c->voids == NULL)
+        return false;
+    c->n_voids = n;
+    for (size_t i = 0; i < n; i++) {
+        c->voids[i].body = -1;
+        read_block(b, b->void_block[i], &c->voids[i]);
+    }
+    return n == 0 || name_things(b, b->void_block, n, c->voids[0].name, sizeof *c->voids);
+}
+
+static bool bind_flaws(struct deck_binding *b)
+{
+    struct config *c = b->config;
+    size_t n = collect(b, BLOCK_FLAW, FLAW_MAX, b->flaw_block, 0);
+    c->flaws = mem_zalloc(n, sizeof *c->flaws);
+    if (c->flaws == NULL)
+        return false;
+    c->n_flaws = n;
+    for (size_t i = 0; i < n; i++) {
+        c->flaws[i].body = -1;
+        schema_defaults(schema_block(BLOCK_FLAW), &c->flaws[i]);
+        read_block(b, b->flaw_block[i], &c->flaws[i]);
+    }
+    return n == 0 || name_things(b, b->flaw_block, n, c->flaws[0].name, sizeof *c->flaws);
+}
+
 /* --- interactions ------------------------------------------------------------------------------------- */
 
 static bool rule_head(struct deck_binding *b, size_t block, struct interaction_rule *rule)
@@ -409,13 +470,15 @@ bool deck_bind(struct deck_binding *b, int64_t steps)
     schema_defaults(schema_block(BLOCK_TIME), c);
     schema_defaults(schema_block(BLOCK_OUTPUT), c);
     c->output.vtp = true;
-    bool ok = bind_materials(b) && bind_rules(b) && bind_bodies(b) && bind_probes(b);
+    bool ok = bind_materials(b) && bind_rules(b) && bind_bodies(b) && bind_voids(b) && bind_flaws(b) &&
+              bind_probes(b);
     bind_single(b, BLOCK_DOMAIN);
     bind_single(b, BLOCK_TIME);
     bind_single(b, BLOCK_OUTPUT);
     check_missing_blocks(b);
     if (steps >= 0)
         c->steps = steps;
+    ok = bind_profiles(b) && ok;
     if (c->output.history_every < 0)
         c->output.history_every = c->steps / 200 > 1 ? c->steps / 200 : 1;
     b->findings->no_memory |= !ok;
@@ -428,5 +491,8 @@ void deck_binding_free(struct deck_binding *b)
     free(b->material_block);
     free(b->body_block);
     free(b->probe_block);
+    free(b->profile_block);
+    free(b->void_block);
+    free(b->flaw_block);
     free(b->rule_block);
 }

@@ -49,10 +49,24 @@ static void check_output(const struct deck_binding *b)
                       (long long)o->snapshot_at[o->n_snapshot_at - 1]);
 }
 
+static void check_profiles(const struct deck_binding *b)
+{
+    const struct config *c = b->config;
+    for (size_t i = 0; i < c->n_profiles; i++) {
+        const double *range = c->profiles[i].range;
+        struct number_text from, to;
+        if (range[0] >= range[1] && binding_given(b, b->profile_block[i], "range"))
+            findings_error(b->findings, binding_place(b, b->profile_block[i], "range", 0),
+                           "the range of a profile goes from a smaller to a larger coordinate, not from %s to %s cm",
+                           number_text(range[0], &from), number_text(range[1], &to));
+    }
+}
+
 bool deck_check(const struct deck_binding *b)
 {
     check_domain(b);
     check_materials(b);
     check_output(b);
+    check_profiles(b);
     return check_bodies(b);
 }

@@ -14,19 +14,24 @@ static bool body_shape_known(const struct deck_binding *b, size_t body)
     return binding_given(b, b->body_block[body], "shape");
 }
 
+/* What is wrong with the shape alone; NULL: nothing. */
+static const char *shape_problem(const struct shape_config *s)
+{
+    if (s->kind == SHAPE_RECTANGLE && !(s->box[0] < s->box[2] && s->box[1] < s->box[3]))
+        return "a rectangle is x0 y0 x1 y1 with x0 < x1 and y0 < y1";
+    if (s->kind == SHAPE_DISC && !(s->radius > 0))
+        return "a disc is x y radius with a radius greater than 0";
+    if (s->kind == SHAPE_POLYGON && shape_crosses_itself(s))
+        return "the edges of this polygon cross or touch one another";
+    if (!(shape_area(s) > 0) || !isfinite(shape_area(s)))
+        return "the area of this shape is not a positive number";
+    return NULL;
+}
+
 static bool check_shape(const struct deck_binding *b, size_t i)
 {
-    const struct shape_config *s = &b->config->bodies[i].shape;
     struct deck_place place = binding_place(b, b->body_block[i], "shape", 0);
-    const char *problem = NULL;
-    if (s->kind == SHAPE_RECTANGLE && !(s->box[0] < s->box[2] && s->box[1] < s->box[3]))
-        problem = "a rectangle is x0 y0 x1 y1 with x0 < x1 and y0 < y1";
-    else if (s->kind == SHAPE_DISC && !(s->radius > 0))
-        problem = "a disc is x y radius with a radius greater than 0";
-    else if (s->kind == SHAPE_POLYGON && shape_crosses_itself(s))
-        problem = "the edges of this polygon cross or touch one another";
-    else if (!(shape_area(s) > 0) || !isfinite(shape_area(s)))
-        problem = "the area of this shape is not a positive number";
+    const char *problem = shape_problem(&b->config->bodies[i].shape);
     if (problem != NULL)
         findings_error(b->findings, place, "%s", problem);
     return problem == NULL;
@@ -71,6 +76,56 @@ static void check_motion(const struct deck_binding *b, size_t i)
                        "the motion of the body '%s' is prescribed: it has no random velocities", body->name);
 }
 
+static void check_no_meaning(const struct deck_binding *b, size_t block, const char *key,
+                             const char *structure)
+{
+    if (binding_given(b, block, key))
+        findings_error(b->findings, binding_place(b, block, key, 0),
+                       "'%s' has no meaning for a body whose structure is %s", key, structure);
+}
+
+/* Grains: what each structure needs, and what it cannot use. */
+static void check_structure(const struct deck_binding *b, size_t i)
+{
+    static const char *const names[] = {"crystal", "polycrystal", "discs", "polygons"};
+    const struct body_config *body = &b->config->bodies[i];
+    const char *structure = names[body->structure];
+    size_t block = b->body_block[i];
+    struct number_text size, spacing;
+    bool crystal = body->structure == STRUCTURE_CRYSTAL,
+         powder = !crystal && body->structure != STRUCTURE_POLYCRYSTAL;
+    if (!crystal && binding_missing(b, block, "grain_size"))
+        findings_error(b->findings, binding_place(b, block, "structure", 0),
+                       "the body '%s' lacks 'grain_size'", body->name);
+    if (powder && binding_missing(b, block, "solid_fraction"))
+        findings_error(b->findings, binding_place(b, block, "structure", 0),
+                       "the body '%s' lacks 'solid_fraction'", body->name);
+    if (powder && body->shape.kind == SHAPE_POLYGON && binding_given(b, block, "shape"))
+        findings_error(b->findings, binding_place(b, block, "shape", 0),
+                       "a powder fills a rectangle or a disc, not a polygon");
+    if (body->grain_size * (1 - body->grain_spread) < 2 * body->radius)
+        findings_error(b->findings, binding_place(b, block, "grain_size", 0),
+                       "a grain of %s cm is smaller than an element of %s cm",
+                       number_text(body->grain_size * (1 - body->grain_spread), &size),
+                       number_text(2 * body->radius, &spacing));
+    double box[BOX_WORDS], largest = body->grain_size * (1 + body->grain_spread);
+    shape_box(&body->shape, box);
+    if (powder && body_shape_known(b, i) && (largest > box[2] - box[0] || largest > box[3] - box[1]))
+        findings_error(b->findings, binding_place(b, block, "grain_size", 0),
+                       "a grain of %s cm does not fit into the body '%s'", number_text(largest, &size),
+                       body->name);
+    if (crystal)
+        check_no_meaning(b, block, "grain_size", structure);
+    if (!powder) {
+        check_no_meaning(b, block, "grain_spread", structure);
+        check_no_meaning(b, block, "solid_fraction", structure);
+    }
+    if (!crystal) {
+        check_no_meaning(b, block, "origin", structure);
+        check_no_meaning(b, block, "angle", structure);
+    }
+}
+
 static void check_in_domain(const struct deck_binding *b, size_t i)
 {
     const struct config *c = b->config;
@@ -109,6 +164,19 @@ static int compare_extents(const void *a, const void *b)
     return x->body < y->body ? -1 : x->body > y->body;
 }
 
+/* Has one of the bodies a void of its own where the other is? Then it makes room for it; should it not,
+ * elements that overlap are found when they are made. */
+static bool room_made(const struct config *c, size_t i, size_t j)
+{
+    for (size_t k = 0; k < c->n_voids; k++) {
+        int body = c->voids[k].body;
+        if (body >= 0 && ((size_t)body == i || (size_t)body == j) &&
+            shape_overlaps(&c->voids[k].shape, &c->bodies[(size_t)body == i ? j : i].shape))
+            return true;
+    }
+    return false;
+}
+
 static void check_overlap(const struct deck_binding *b, size_t i, size_t j)
 {
     /* The later one of the deck is told about. */
@@ -116,7 +184,7 @@ static void check_overlap(const struct deck_binding *b, size_t i, size_t j)
     const struct body_config *x = &b->config->bodies[first], *y = &b->config->bodies[second];
     struct deck_place place = binding_place(b, b->body_block[second], "shape", 0);
     bool bad = binding_bad(b, b->body_block[i], "velocity") || binding_bad(b, b->body_block[j], "velocity");
-    if (bad || !shape_overlaps(&x->shape, &y->shape))
+    if (bad || !shape_overlaps(&x->shape, &y->shape) || room_made(b->config, first, second))
         return;
     if (x->velocity[0] != y->velocity[0] || x->velocity[1] != y->velocity[1])
         findings_error(b->findings, place, "the bodies '%s' and '%s' overlap, and their velocities differ",
@@ -157,6 +225,65 @@ static void check_probes(const struct deck_binding *b, const struct extent *exte
     }
 }
 
+/* Does a void or a flaw meet its body, or any? True also where that is not known. */
+static bool meets_a_body(const struct deck_binding *b, const struct shape_config *shape, int body)
+{
+    const struct config *c = b->config;
+    for (size_t i = 0; i < c->n_bodies; i++) {
+        if (body >= 0 && (size_t)body != i)
+            continue;
+        if (!body_shape_known(b, i) || shape_overlaps(shape, &c->bodies[i].shape))
+            return true;
+    }
+    return c->n_bodies == 0;
+}
+
+static void check_voids(const struct deck_binding *b)
+{
+    for (size_t i = 0; i < b->config->n_voids; i++) {
+        const struct void_config *v = &b->config->voids[i];
+        size_t block = b->void_block[i];
+        if (!binding_given(b, block, "shape") || binding_bad(b, block, "body"))
+            continue;
+        const char *problem = shape_problem(&v->shape);
+        if (problem != NULL)
+            findings_error(b->findings, binding_place(b, block, "shape", 0), "%s", problem);
+        else if (!meets_a_body(b, &v->shape, v->body))
+            findings_error(b->findings, binding_place(b, block, "shape", 0), "the void '%s' lies outside %s",
+                           v->name, v->body >= 0 ? "its body" : "every body");
+    }
+}
+
+/* The line as a sliver with an area, for shape_overlaps. */
+static struct shape_config sliver(const double line[4])
+{
+    double dx = line[2] - line[0], dy = line[3] - line[1], thin = 1e-9;
+    struct shape_config s = {.kind = SHAPE_POLYGON,
+                             .n_vertices = 4,
+                             .vertex = {{line[0], line[1]},
+                                        {line[2], line[3]},
+                                        {line[2] - thin * dy, line[3] + thin * dx},
+                                        {line[0] - thin * dy, line[1] + thin * dx}}};
+    return s;
+}
+
+static void check_flaws(const struct deck_binding *b)
+{
+    for (size_t i = 0; i < b->config->n_flaws; i++) {
+        const struct flaw_config *f = &b->config->flaws[i];
+        size_t block = b->flaw_block[i];
+        struct shape_config s = sliver(f->line);
+        if (!binding_given(b, block, "line") || binding_bad(b, block, "body"))
+            continue;
+        if (f->line[0] == f->line[2] && f->line[1] == f->line[3])
+            findings_error(b->findings, binding_place(b, block, "line", 0),
+                           "a line is x0 y0 x1 y1 between two points");
+        else if (!meets_a_body(b, &s, f->body))
+            findings_error(b->findings, binding_place(b, block, "line", 0), "the flaw '%s' lies outside %s",
+                           f->name, f->body >= 0 ? "its body" : "every body");
+    }
+}
+
 bool check_bodies(const struct deck_binding *b)
 {
     size_t n = 0;
@@ -170,6 +297,7 @@ bool check_bodies(const struct deck_binding *b)
         const struct body_config *body = &b->config->bodies[i];
         check_mix(b, i);
         check_motion(b, i);
+        check_structure(b, i);
         if (!body_shape_known(b, i) || !check_shape(b, i))
             continue;
         check_in_domain(b, i);
@@ -186,6 +314,8 @@ bool check_bodies(const struct deck_binding *b)
     }
     check_overlaps(b, extents, n);
     check_probes(b, extents, n);
+    check_voids(b);
+    check_flaws(b);
     free(extents);
     return true;
 }

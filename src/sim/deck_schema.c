@@ -150,6 +150,19 @@ static const struct deck_key body_keys[] = {
      .meaning =
          "`rectangle x0 y0 x1 y1`, `disc x y radius` or `polygon x y x y x y ...`: where the centres of its "
          "elements lie"},
+    {"structure", VALUE_CHOICE, 1, PLAIN, ANY, .choices = "crystal|polycrystal|discs|polygons",
+     .initial = "crystal", FIELD(structure),
+     .meaning = "one lattice; Voronoi grains, each turned at random; or a powder of such discs or polygons"},
+    {"grain_size", VALUE_REAL, 1, LENGTH, POSITIVE, .initial = "none: a crystal has one grain",
+     FIELD(grain_size), .meaning = "mean diameter of the grains of a polycrystal or powder"},
+    {"grain_spread", VALUE_REAL, 1, PLAIN, .low = 0, .high = 1, .high_open = true, .initial = "0",
+     FIELD(grain_spread),
+     .meaning = "diameters of powder grains are uniform within grain_size (1 plus or minus this)"},
+    {"solid_fraction", VALUE_REAL, 1, PLAIN, .low = 0, .low_open = true, .high = 1,
+     .initial = "none: powders need it", FIELD(solid_fraction),
+     .meaning = "area of a powder's grains in that of the shape"},
+    {"missing_links", VALUE_REAL, 1, PLAIN, .low = 0, .high = 1, .initial = "0", FIELD(missing_links),
+     .meaning = "this fraction of the body's links, at random, is not there at the start"},
     {"lattice", VALUE_CHOICE, 1, PLAIN, ANY, .choices = "hexagonal|square", .initial = "hexagonal",
      FIELD(lattice), .meaning = "how the elements are placed"},
     {"spacing", VALUE_REAL, 1, LENGTH, POSITIVE, .required = true, FIELD(spacing),
@@ -167,11 +180,14 @@ static const struct deck_key body_keys[] = {
      .meaning = "what it is made of"},
     {"mix", VALUE_MIX, 1, PLAIN, .low = 0, .low_open = true, .high = 1, .initial = "none: give `material`",
      FIELD(mix_fraction),
-     .meaning = "materials and their fractions, at random over the elements: `Ni 0.5, Al 0.5`"},
+     .meaning =
+         "materials and their fractions, at random over the elements (of a polycrystal or powder: over the "
+         "grains): `Ni 0.5, Al 0.5`"},
     {"seed", VALUE_WHOLE, 1, PLAIN, NOT_NEGATIVE, .initial = "0", FIELD(seed),
-     .meaning = "of the mix and of the random velocities"},
+     .meaning = "of the mix, the random velocities, the grains and the missing links"},
     {"motion", VALUE_CHOICE, 1, PLAIN, ANY, .choices = "free|fixed|driven", .initial = "free", FIELD(motion),
-     .meaning = "`free`: forces move it; `fixed`: it stays; `driven`: it keeps `velocity`, whatever the forces (a piston)"},
+     .meaning = "`free`: forces move it; `fixed`: it stays; `driven`: it keeps `velocity`, whatever the "
+                "forces (a piston)"},
     {"velocity", VALUE_REAL, 2, VELOCITY, ANY, .initial = "0 0", FIELD(velocity),
      .meaning = "at the start, or for ever if driven"},
     {"jitter", VALUE_REAL, 1, VELOCITY, NOT_NEGATIVE, .initial = "0", FIELD(jitter),
@@ -182,10 +198,37 @@ static const struct deck_key body_keys[] = {
 };
 #undef FIELD
 
+static const struct deck_key void_keys[] = {
+    {"shape", VALUE_SHAPE, 1, LENGTH, ANY, .required = true, .offset = offsetof(struct void_config, shape),
+     .meaning = "as of a body: no element has its centre there"},
+    {"body", VALUE_BODY, 1, PLAIN, ANY, .initial = "every body", .offset = offsetof(struct void_config, body),
+     .meaning = "the body that has the void"},
+};
+
+static const struct deck_key flaw_keys[] = {
+    {"line", VALUE_REAL, 4, LENGTH, ANY, .required = true, .offset = offsetof(struct flaw_config, line),
+     .meaning = "`x0 y0 x1 y1`: no link crosses it at the start"},
+    {"body", VALUE_BODY, 1, PLAIN, ANY, .initial = "every body", .offset = offsetof(struct flaw_config, body),
+     .meaning = "the body that has the flaw"},
+};
+
 static const struct deck_key probe_keys[] = {
     {"region", VALUE_REAL, 4, LENGTH, ANY, .required = true, .offset = offsetof(struct probe_config, box),
      .meaning = "`x0 y0 x1 y1`: the elements that start in it are averaged; half-open, x0 <= x < x1"},
 };
+
+#define FIELD(f) .offset = offsetof(struct profile_config, f)
+static const struct deck_key profile_keys[] = {
+    {"axis", VALUE_CHOICE, 1, PLAIN, ANY, .required = true, .choices = "x|y", FIELD(axis),
+     .meaning = "the axis that is cut into bins"},
+    {"bins", VALUE_WHOLE, 1, PLAIN, .low = 1, .high = 10000, .required = true, FIELD(bins),
+     .meaning = "how many bins"},
+    {"range", VALUE_REAL, 2, LENGTH, ANY, .initial = "the domain", FIELD(range),
+     .meaning = "from where to where the bins reach; elements outside are in none"},
+    {"every", VALUE_WHOLE, 1, PLAIN, .low = 1, .high = HUGE_VAL, .initial = "steps/20, at least 1", FIELD(every),
+     .meaning = "steps between profiles; the last state has one in any case"},
+};
+#undef FIELD
 
 #define FIELD(f) .offset = offsetof(struct config, output.f)
 static const struct deck_key output_keys[] = {
@@ -197,6 +240,8 @@ static const struct deck_key output_keys[] = {
      .meaning = "further steps to take a snapshot at, in any order"},
     {"format", VALUE_FORMATS, 1, PLAIN, ANY, .choices = "vtp|xyz", .initial = "vtp", FIELD(vtp),
      .meaning = "of snapshots: `vtp` (ParaView), `xyz` (OVITO), or both"},
+    {"strain", VALUE_FLAG, 1, PLAIN, ANY, .choices = "no|yes", .initial = "no", FIELD(strain),
+     .meaning = "is the strain of the elements measured, for snapshots; it costs some time at every step"},
 };
 #undef FIELD
 
@@ -209,7 +254,10 @@ static const struct block_schema blocks[BLOCK_COUNT] = {
     [BLOCK_INTERFACE] = {"interface", "grain or body, and nothing or two materials", false, false,
                          KEYS(interaction_keys)},
     [BLOCK_BODY] = {"body", "a name", false, true, KEYS(body_keys)},
+    [BLOCK_VOID] = {"void", "a name", false, false, KEYS(void_keys)},
+    [BLOCK_FLAW] = {"flaw", "a name", false, false, KEYS(flaw_keys)},
     [BLOCK_PROBE] = {"probe", "a name", false, false, KEYS(probe_keys)},
+    [BLOCK_PROFILE] = {"profile", "a name", false, false, KEYS(profile_keys)},
     [BLOCK_OUTPUT] = {"output", "nothing", true, false, KEYS(output_keys)},
 };
 

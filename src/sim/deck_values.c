@@ -254,6 +254,35 @@ int binding_material(struct deck_binding *b, struct deck_place name)
     return -1;
 }
 
+static const char *body_name(const void *context, size_t i)
+{
+    return ((const struct config *)context)->bodies[i].name;
+}
+
+int binding_body(struct deck_binding *b, struct deck_place name)
+{
+    const char *bytes = place_bytes(b->tree->source, name);
+    for (size_t i = 0; i < b->config->n_bodies; i++)
+        if (place_is(b->tree->source, name, b->config->bodies[i].name))
+            return (int)i;
+    struct word_list known = {body_name, b->config, b->config->n_bodies};
+    struct place_text text;
+    struct word_hint hint;
+    if (!b->tree->incomplete)
+        findings_error(b->findings, name, "there is no body '%s'%s", place_text(b->tree->source, name, &text),
+                       words_hint(&known, bytes, name.length, &hint));
+    return -1;
+}
+
+static bool read_body(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
+                      int *out)
+{
+    if (!count_is(b, key, entry, 1))
+        return false;
+    *out = binding_body(b, word_at(b, entry, 0));
+    return *out >= 0;
+}
+
 static bool read_mix(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
                      struct body_config *body)
 {
@@ -361,6 +390,9 @@ bool value_read(struct deck_binding *b, const struct deck_key *key, struct deck_
         break;
     case VALUE_MATERIAL:
         ok = read_material(b, key, entry, base);
+        break;
+    case VALUE_BODY:
+        ok = read_body(b, key, entry, at);
         break;
     case VALUE_MIX:
         ok = read_mix(b, key, entry, base);

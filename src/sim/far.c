@@ -68,6 +68,10 @@ static inline void far_rows(struct pass *pass, const struct half_list *list, boo
             double f = far_pair(law, r2, r0, measure ? &energy : NULL), fs = f * scale;
             double fx = fs * dx, fy = fs * dy;
             bad |= !(r2 >= law->r2_least) | !(fabs(fx) < far_range) | !(fabs(fy) < far_range);
+            if (bad) { /* no integer to add */
+                note_bad(pass, i, j);
+                break;
+            }
             int64_t qx = far_to_fixed(fx), qy = far_to_fixed(fy);
             fx_i += qx;
             fy_i += qy;

@@ -1,4 +1,5 @@
-/* Building the neighbour lists, from cells or from all pairs (config search = lists; the paper's Fig. 4).
+/* Building the neighbour lists, from cells or from all pairs (config search = lists; the paper's Fig. 4), or, where a
+ * deck has near pairs only, from bins finer than the cells.
  *
  * A cell's elements meet the later ones of their own cell, those of the later own cells around it and those of the
  * mirrored cells around it: every pair that has an owned element is met exactly once, from its lower slot. Lists hold
@@ -11,6 +12,7 @@
 
 #include "dm2/base/mem.h"
 #include "dm2/base/simd.h"
+#include "dm2/sim/flaws.h"
 
 /* A link starts where lattice neighbours touch, give or take rounding of the deck's spacings. */
 static const double initial_reach = 1.02;
@@ -76,6 +78,16 @@ static void add_near(struct builder *b, uint32_t j, bool linked, double stretch,
     l->spring[at] = spring;
 }
 
+static bool link_missing(const struct builder *b, uint32_t i, uint32_t j)
+{
+    const struct particles *p = b->p;
+    struct link_end ends[2] = {{p->id[i], p->body[i], p->r + 2 * i}, {p->id[j], p->body[j], p->r + 2 * j}};
+    double apart[2];
+    for (size_t a = 0; a < 2; a++)
+        apart[a] = lists_wrap(p->r[2 * i + a] - p->r[2 * j + a], b->period[a], b->half[a]);
+    return flaws_miss(b->m->config, ends[0], ends[1], apart);
+}
+
 /* Is the pair worth a near entry, and does it start linked? */
 static void consider_near(struct builder *b, uint32_t i, uint32_t j, double r2)
 {
@@ -90,9 +102,12 @@ static void consider_near(struct builder *b, uint32_t i, uint32_t j, double r2)
     }
     if (!law->near)
         return;
-    bool linked = b->initial && law->initial_link && r2 <= (initial_reach * r0) * (initial_reach * r0);
+    bool linked = b->initial && law->initial_link && r2 <= (initial_reach * r0) * (initial_reach * r0) &&
+                  !link_missing(b, i, j);
+    /* Between grains neighbours are as far apart as the boundary left them: their links start without force. */
+    double stretch = linked && relation == RELATION_OTHER_GRAIN ? sqrt(r2) - r0 : 0.0;
     if (linked || r2 <= reach * reach)
-        add_near(b, j, linked, 0.0, 0.0);
+        add_near(b, j, linked, stretch, 0.0);
 }
 
 /* Room for one more row that may meet `candidates` elements. */
@@ -143,6 +158,44 @@ static int row_from_cells(struct builder *b, const struct cells *cells, int own,
     return 0;
 }
 
+/* The bins around and with bin `at`, as ranges of bins that lie side by side; writes first and last of up to 9. */
+static int bin_ranges(const struct grid *g, int at, int first[9], int last[9])
+{
+    int i = at % g->cx, j = at / g->cx, count = 0;
+    bool seam = (g->periodic[0] && (i == 0 || i == g->cx - 1)) || (g->periodic[1] && (j == 0 || j == g->cy - 1));
+    if (seam) {
+        count = grid_neighbours(g, at, first);
+        first[count++] = at;
+        memcpy(last, first, (size_t)count * sizeof *last);
+        return count;
+    }
+    int west = i > 0 ? i - 1 : 0, east = i < g->cx - 1 ? i + 1 : i;
+    for (int row = j > 0 ? j - 1 : 0; row <= j + 1 && row < g->cy; row++) {
+        first[count] = row * g->cx + west;
+        last[count++] = row * g->cx + east;
+    }
+    return count;
+}
+
+/* Near pairs alone, from bins: the later slots in the bin of i and in those around it. */
+static int row_from_bins(struct builder *b, uint32_t i)
+{
+    const struct bins *bins = &b->lists->bins;
+    int first[9], last[9], n = bin_ranges(&bins->grid, (int)bins->bin[i], first, last);
+    size_t candidates = 0;
+    for (int q = 0; q < n; q++)
+        candidates += bins->start[last[q] + 1] - bins->start[first[q]];
+    if (reserve_row(b, candidates) != 0)
+        return -1;
+    for (int q = 0; q < n; q++) {
+        for (uint32_t s = bins->start[first[q]]; s < bins->start[last[q] + 1]; s++) {
+            if (bins->slot[s] > i)
+                meet(b, i, bins->slot[s]);
+        }
+    }
+    return 0;
+}
+
 static int row_from_all(struct builder *b, uint32_t i)
 {
     /* Reserved for the pairs that are found, not for the n that are looked at. */
@@ -181,20 +234,25 @@ static int remember(struct builder *b, uint32_t i, const struct carried_pair *pa
     return 0;
 }
 
-/* Sorts carried pairs by row, counting; *rows has n_own + 1 starts. */
-static int sort_carried(const struct carried_pair *in, size_t n, size_t n_own, struct carried_pair **out, uint32_t **rows)
+/* Sorts carried pairs by row, counting, into lists->sorted; lists->rows has n_own + 1 starts. */
+static int sort_carried(struct lists *l, const struct carried_pair *in, size_t n, size_t n_own)
 {
-    *out = mem_alloc(n, sizeof **out);
-    *rows = mem_zalloc(n_own + 2, sizeof **rows);
-    if (*out == NULL || *rows == NULL)
+    void *sorted = l->sorted, *rows = l->rows;
+    int status = mem_grow(&sorted, &l->sorted_cap, 0, n + 1, sizeof *l->sorted);
+    l->sorted = sorted;
+    if (status == 0)
+        status = mem_grow(&rows, &l->rows_cap, 0, n_own + 2, sizeof *l->rows);
+    l->rows = rows;
+    if (status != 0)
         return -1;
-    uint32_t *start = *rows;
+    uint32_t *start = l->rows;
+    memset(start, 0, (n_own + 2) * sizeof *start);
     for (size_t k = 0; k < n; k++)
         start[in[k].a + 2]++;
     for (size_t i = 0; i < n_own; i++)
         start[i + 2] += start[i + 1];
     for (size_t k = 0; k < n; k++)
-        (*out)[start[in[k].a + 1]++] = in[k];
+        l->sorted[start[in[k].a + 1]++] = in[k];
     return 0;
 }
 
@@ -218,19 +276,22 @@ enum dm2_status lists_build(struct lists *lists, const struct model *m, const st
                             bool initial, struct dm2_error *err)
 {
     struct builder b = begin(lists, m, p, initial);
-    struct carried_pair *sorted = NULL;
-    uint32_t *rows = NULL;
     bool all_pairs = m->config->search == SEARCH_LISTS;
+    bool binned = m->config->search == SEARCH_CELLS_AND_LISTS && !m->has_far &&
+                  bins_lay_out(&lists->bins, &m->grid, sqrt(b.near_reach2), p->n);
     enum dm2_status status = DM2_MEMORY;
-    if (list_reserve_rows(&lists->far, p->n_own) != 0 || list_reserve_rows(&lists->near, p->n_own) != 0 ||
-        sort_carried(carried, n_carried, p->n_own, &sorted, &rows) != 0)
+    if ((binned && bins_assign(&lists->bins, p) != 0) ||
+        list_reserve_rows(&lists->far, p->n_own) != 0 || list_reserve_rows(&lists->near, p->n_own) != 0 ||
+        sort_carried(lists, carried, n_carried, p->n_own) != 0)
         goto done;
     for (int own = 0; own < cells->n_own; own++) {
         for (uint32_t i = cells->start[own]; i < cells->start[own + 1]; i++) {
             lists->far.start[i] = (uint32_t)b.far_count;
             lists->near.start[i] = (uint32_t)b.near_count;
-            if ((all_pairs ? row_from_all(&b, i) : row_from_cells(&b, cells, own, i)) != 0 ||
-                remember(&b, i, sorted + rows[i], rows[i + 1] - rows[i]) != 0)
+            if ((all_pairs ? row_from_all(&b, i)
+                 : binned  ? row_from_bins(&b, i)
+                           : row_from_cells(&b, cells, own, i)) != 0 ||
+                remember(&b, i, lists->sorted + lists->rows[i], lists->rows[i + 1] - lists->rows[i]) != 0)
                 goto done;
             if (m->wide_far)
                 pad_row(&b);
@@ -251,8 +312,6 @@ enum dm2_status lists_build(struct lists *lists, const struct model *m, const st
                           p->id[b.close_a], p->id[b.close_b], p->r[2 * b.close_a], p->r[2 * b.close_a + 1],
                           m->config->bodies[p->body[b.close_a]].name, m->config->bodies[p->body[b.close_b]].name);
 done:
-    free(sorted);
-    free(rows);
     if (status == DM2_MEMORY)
         return dm2_fail(err, DM2_MEMORY, "no memory for the neighbour lists of %zu elements", p->n_own);
     return status;
@@ -267,11 +326,15 @@ void lists_free(struct lists *l)
     free(l->linked);
     free(l->stretch);
     free(l->spring);
+    bins_free(&l->bins);
+    free(l->sorted);
+    free(l->rows);
     *l = (struct lists){0};
 }
 
 size_t lists_bytes(const struct lists *l)
 {
     return (l->far.row_cap + l->far.cap + l->near.row_cap + l->near.cap) * sizeof(uint32_t) +
-           l->memory_cap * (1 + 2 * sizeof(double));
+           l->memory_cap * (1 + 2 * sizeof(double)) + bins_bytes(&l->bins) +
+           l->sorted_cap * sizeof *l->sorted + l->rows_cap * sizeof *l->rows;
 }

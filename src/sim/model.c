@@ -236,6 +236,12 @@ static void choose_scales(struct model *m)
     m->scales.length = 118 - e;
     (void)frexp(speed * (double)m->n_elements, &e);
     m->scales.velocity = 118 - e;
+    (void)frexp(mass_total, &e);
+    m->scales.mass = 118 - e;
+    (void)frexp(r0 * r0 * (double)m->n_elements, &e);
+    m->scales.volume = 118 - e;
+    (void)frexp(1e12 * (double)m->n_elements, &e); /* no element is hotter than 1e12 K */
+    m->scales.temperature = 118 - e;
 }
 
 /* Where a Lennard-Jones force, scaled, reaches 2^50: far.c checks distances instead of forces. */
@@ -347,6 +353,11 @@ enum dm2_status model_build(const struct config *config, struct model **out, str
         status = check_reach(m, err);
     for (size_t i = 0; i < m->n_kinds; i++)
         m->has_heat |= isfinite(m->kinds[i].tm) && isfinite(m->kinds[i].cp) && m->has_near;
+    m->has_strain = config->output.strain;
+    if (status == DM2_OK && m->has_strain && !m->has_near)
+        status = dm2_fail(err, DM2_DECK,
+                          "strain = yes measures the motion of linked or touching neighbours, and no interaction of "
+                          "this deck links or meets (scope = all): leave it out");
     if (status == DM2_OK)
         status = grid_build(config->origin, config->size, config->periodic, config->r_c + config->delta_r, &m->grid, err);
     if (status == DM2_OK)

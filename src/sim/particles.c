@@ -59,12 +59,13 @@ void particles_free(struct particles *p)
 {
     for (size_t c = 0; c < COLUMNS; c++)
         free(*column_of(p, c));
+    free(p->scratch);
     *p = (struct particles){0};
 }
 
 size_t particles_bytes(const struct particles *p)
 {
-    size_t bytes = 0;
+    size_t bytes = p->scratch_cap * 3 * sizeof(double);
     for (size_t c = 0; c < COLUMNS; c++)
         bytes += columns[c].bytes * p->cap;
     return bytes;
@@ -103,25 +104,35 @@ void particles_put(struct particles *p, const struct model *m, size_t i, const s
     particles_warm(p, m, i);
 }
 
+/* One column in its new order. Inlined with the common widths, so that a copy is a move and not a call. */
+static inline void gather(char *to, const char *column, const uint32_t *from, size_t n, size_t width)
+{
+    for (size_t k = 0; k < n; k++) {
+        if (from[k] != PARTICLES_NONE)
+            memcpy(to + k * width, column + from[k] * width, width);
+    }
+}
+
 int particles_permute(struct particles *p, const uint32_t *from, size_t n)
 {
     if (particles_reserve(p, n) != 0)
         return -1;
     if (n == 0)
         return 0;
-    char *scratch = mem_alloc(n, 3 * sizeof(double)); /* the widest of the state columns */
-    if (scratch == NULL)
+    if (mem_grow(&p->scratch, &p->scratch_cap, 0, n, 3 * sizeof(double)) != 0) /* the widest of the state columns */
         return -1;
+    char *scratch = p->scratch;
     for (size_t c = 0; c < STATE_COLUMNS; c++) {
         char *column = *column_of(p, c);
         size_t width = columns[c].bytes;
-        for (size_t k = 0; k < n; k++) {
-            if (from[k] != PARTICLES_NONE)
-                memcpy(scratch + k * width, column + from[k] * width, width);
-        }
+        if (width == 8)
+            gather(scratch, column, from, n, 8);
+        else if (width == 16)
+            gather(scratch, column, from, n, 16);
+        else
+            gather(scratch, column, from, n, width);
         memcpy(column, scratch, n * width);
     }
-    free(scratch);
     return 0;
 }
 

@@ -1,6 +1,6 @@
 /* The run directory.
  *
- * It holds one long-lived file, history.csv.part, that grows by a row per measured step and is renamed at the
+ * It holds a few tables, history.csv.part among them, that grow by some rows per measured step and are renamed at the
  * very end; everything else is written and renamed in one go. The list `known_files` is what a run may leave
  * behind: `overwrite` removes these and nothing else, so that a directory never mixes two runs. Each row is
  * handed to the system at once: somebody may be watching, and a full disk should stop the run now. */
@@ -22,6 +22,7 @@
 #include "dm2/base/mem.h"
 #include "dm2/base/number.h"
 #include "dm2/base/text.h"
+#include "dm2/sim/fragments.h"
 #include "dm2/sim/snapshot.h"
 #include "dm2/sim/state.h"
 
@@ -31,12 +32,13 @@ struct results {
     const struct config *config;
     struct measure_scales scales;
     uint8_t digest[RESULTS_DIGEST_BYTES];
-    struct file_out history;
+    struct file_out history, fragments;     /* tables that grow; the second is opened with its first row */
+    struct file_out profiles[PROFILE_MAX];
     int64_t *snapshot_steps; /* those written, for the series file */
     size_t n_snapshots, cap_snapshots;
 };
 
-static const char *const known_files[] = {"history.csv", "final.dm2", "run.log", "timing.csv"};
+static const char *const known_files[] = {"history.csv", "fragments.csv", "final.dm2", "run.log", "timing.csv"};
 static const char snapshots_name[] = "snapshots";
 static const char series_name[] = "series.pvd";
 
@@ -80,6 +82,19 @@ bool results_snapshot_due(const struct config *c, int64_t step)
     return false;
 }
 
+bool results_profile_due(const struct config *c, size_t which, int64_t step)
+{
+    return step == c->steps || step % c->profiles[which].every == 0;
+}
+
+bool results_measure_due(const struct config *c, int64_t step)
+{
+    bool due = results_history_due(c, step) || results_snapshot_due(c, step);
+    for (size_t k = 0; k < c->n_profiles; k++)
+        due |= results_profile_due(c, k, step);
+    return due;
+}
+
 /* --- the directory ----------------------------------------------------------------------------------------
  */
 
@@ -108,6 +123,16 @@ static bool is_snapshot_file(const char *name)
     return digits > 0 && 6 + digits + 4 == length;
 }
 
+/* The same for the table of a profile. */
+static bool is_profile_file(const char *name)
+{
+    static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_";
+    if (strncmp(name, "profile-", 8) != 0)
+        return false;
+    size_t n = strspn(name + 8, letters);
+    return n > 0 && (strcmp(name + 8 + n, ".csv") == 0 || strcmp(name + 8 + n, ".csv.part") == 0);
+}
+
 static enum dm2_status remove_file(const char *directory, const char *name, const char *suffix,
                                    struct dm2_error *err)
 {
@@ -123,23 +148,29 @@ static enum dm2_status remove_file(const char *directory, const char *name, cons
     return status;
 }
 
-static enum dm2_status remove_snapshots(const char *directory, struct dm2_error *err)
+/* Removes the files of a directory whose names are ours. */
+static enum dm2_status remove_files(const char *path, bool (*ours)(const char *name), struct dm2_error *err)
 {
-    char *path = text_join(directory, "/", snapshots_name);
-    if (path == NULL)
-        return no_memory(err);
     DIR *dir = opendir(path);
     enum dm2_status status = DM2_OK;
     if (dir == NULL && errno != ENOENT)
         status = dm2_fail(err, DM2_IO, "%s: cannot read the directory: %s", path, strerror(errno));
     const struct dirent *entry;
     while (dir != NULL && status == DM2_OK && (entry = readdir(dir)) != NULL)
-        if (is_snapshot_file(entry->d_name))
+        if (ours(entry->d_name))
             status = remove_file(path, entry->d_name, "", err);
-    if (dir != NULL) {
+    if (dir != NULL)
         closedir(dir);
-        (void)rmdir(path); /* stays where it holds what is not ours */
-    }
+    return status;
+}
+
+static enum dm2_status remove_snapshots(const char *directory, struct dm2_error *err)
+{
+    char *path = text_join(directory, "/", snapshots_name);
+    if (path == NULL)
+        return no_memory(err);
+    enum dm2_status status = remove_files(path, is_snapshot_file, err);
+    (void)rmdir(path); /* stays where it holds what is not ours */
     free(path);
     return status;
 }
@@ -152,6 +183,8 @@ static enum dm2_status remove_earlier_run(const char *directory, struct dm2_erro
         if (status == DM2_OK)
             status = remove_file(directory, known_files[i], ".part", err);
     }
+    if (status == DM2_OK)
+        status = remove_files(directory, is_profile_file, err);
     return status == DM2_OK ? remove_snapshots(directory, err) : status;
 }
 
@@ -319,6 +352,57 @@ enum dm2_status results_history(struct results *r, int64_t step, const struct me
     return file_flush(f, err);
 }
 
+/* --- profile-NAME.csv -------------------------------------------------------------------------------------
+ */
+
+static void write_profile_header(struct file_out *f, const struct profile_config *c)
+{
+    static const char *const columns[][2] = {{"elements", ""},     {"density", "g/cm3"},  {"vx", "cm/us"},
+                                             {"vy", "cm/us"},      {"stress_xx", "Mbar"}, {"stress_yy", "Mbar"},
+                                             {"stress_xy", "Mbar"}, {"temperature", "K"}};
+    file_printf(f, "step,time [us],%s [cm]", c->axis == AXIS_X ? "x" : "y");
+    for (size_t i = 0; i < sizeof columns / sizeof columns[0]; i++) {
+        file_puts(f, ",");
+        write_heading(f, columns[i][0], columns[i][1]);
+    }
+    file_puts(f, "\n");
+}
+
+static enum dm2_status open_profile(struct results *r, size_t which, struct dm2_error *err)
+{
+    char name[NAME_MAX_LENGTH + 16];
+    (void)snprintf(name, sizeof name, "profile-%s.csv", r->config->profiles[which].name);
+    char *path = text_join(r->directory, "/", name);
+    if (path == NULL)
+        return no_memory(err);
+    enum dm2_status status = file_create(&r->profiles[which], path, err);
+    free(path);
+    if (status != DM2_OK)
+        return status;
+    write_profile_header(&r->profiles[which], &r->config->profiles[which]);
+    return file_flush(&r->profiles[which], err);
+}
+
+enum dm2_status results_profile(struct results *r, size_t which, int64_t step, const struct profile_bin *bins,
+                                struct dm2_error *err)
+{
+    const struct profile_config *c = &r->config->profiles[which];
+    struct file_out *f = &r->profiles[which];
+    for (size_t k = 0; k < (size_t)c->bins; k++) {
+        struct profile_means m = profile_means(&bins[k], c, r->config, &r->scales);
+        file_printf(f, "%" PRId64, step);
+        add_number(f, (double)step * r->config->dt);
+        add_number(f, profile_centre(c, k));
+        file_printf(f, ",%" PRIu64, bins[k].elements);
+        const double means[] = {m.density,   m.velocity[0], m.velocity[1], m.stress[0],
+                                m.stress[1], m.stress[2],   m.temperature};
+        for (size_t i = 0; i < sizeof means / sizeof means[0]; i++)
+            add_number(f, means[i]);
+        file_puts(f, "\n");
+    }
+    return file_flush(f, err);
+}
+
 /* --- states -----------------------------------------------------------------------------------------------
  */
 
@@ -354,11 +438,27 @@ static enum dm2_status write_series(struct results *r, const char *directory, in
     return status;
 }
 
-enum dm2_status results_snapshot(struct results *r, int64_t step, const struct element *elements,
-                                 const struct element_measure *measured, size_t n_elements,
-                                 const struct pair_record *pairs, size_t n_pairs, struct dm2_error *err)
+/* Adds a row to fragments.csv. */
+static enum dm2_status write_fragments(struct results *r, int64_t step, const struct fragment_counts *counts,
+                                       struct dm2_error *err)
 {
-    const struct snapshot s = {r->config, step, elements, measured, n_elements, pairs, n_pairs};
+    struct file_out *f = &r->fragments;
+    if (f->path == NULL) {
+        char *path = text_join(r->directory, "/", "fragments.csv");
+        enum dm2_status status = path == NULL ? no_memory(err) : file_create(f, path, err);
+        free(path);
+        if (status != DM2_OK)
+            return status;
+        file_puts(f, "step,time [us],fragments,single,largest\n");
+    }
+    file_printf(f, "%" PRId64, step);
+    add_number(f, (double)step * r->config->dt);
+    file_printf(f, ",%zu,%zu,%zu\n", counts->fragments, counts->single, counts->largest);
+    return file_flush(f, err);
+}
+
+static enum dm2_status write_snapshot(struct results *r, const struct snapshot *s, struct dm2_error *err)
+{
     char *directory = text_join(r->directory, "/", snapshots_name);
     if (directory == NULL)
         return no_memory(err);
@@ -368,13 +468,31 @@ enum dm2_status results_snapshot(struct results *r, int64_t step, const struct e
     else if (errno != EEXIST)
         status = dm2_fail(err, DM2_IO, "%s: cannot make the directory: %s", directory, strerror(errno));
     if (status == DM2_OK && r->config->output.vtp) {
-        status = write_one(directory, "vtp", &s, err);
+        status = write_one(directory, "vtp", s, err);
         if (status == DM2_OK)
-            status = write_series(r, directory, step, err);
+            status = write_series(r, directory, s->step, err);
     }
     if (status == DM2_OK && r->config->output.xyz)
-        status = write_one(directory, "xyz", &s, err);
+        status = write_one(directory, "xyz", s, err);
     free(directory);
+    return status;
+}
+
+enum dm2_status results_snapshot(struct results *r, int64_t step, const struct element *elements,
+                                 const struct element_measure *measured, size_t n_elements,
+                                 const struct pair_record *pairs, size_t n_pairs, struct dm2_error *err)
+{
+    struct fragment_counts counts;
+    uint32_t *fragment = mem_alloc(n_elements, sizeof *fragment);
+    if (fragment == NULL)
+        return dm2_fail(err, DM2_MEMORY, "no memory for the fragments of %zu elements", n_elements);
+    enum dm2_status status = fragments_find(elements, n_elements, pairs, n_pairs, fragment, &counts, err);
+    if (status == DM2_OK)
+        status = write_fragments(r, step, &counts, err);
+    if (status == DM2_OK)
+        status = write_snapshot(
+            r, &(struct snapshot){r->config, step, elements, measured, n_elements, pairs, n_pairs, fragment}, err);
+    free(fragment);
     return status;
 }
 
@@ -442,6 +560,8 @@ enum dm2_status results_open(const char *directory, bool overwrite, const struct
         status = file_flush(&r->history, err);
     }
     free(path);
+    for (size_t k = 0; status == DM2_OK && k < config->n_profiles; k++)
+        status = open_profile(r, k, err);
     if (status != DM2_OK) {
         results_abort(r);
         return status;
@@ -452,7 +572,13 @@ enum dm2_status results_open(const char *directory, bool overwrite, const struct
 
 enum dm2_status results_close(struct results *r, struct dm2_error *err)
 {
-    enum dm2_status status = file_commit(&r->history, err);
+    enum dm2_status status = file_flush(&r->history, err); /* a failure of old gives no table its name */
+    for (size_t k = 0; status == DM2_OK && k < r->config->n_profiles; k++)
+        status = file_commit(&r->profiles[k], err);
+    if (status == DM2_OK && r->fragments.path != NULL)
+        status = file_commit(&r->fragments, err);
+    if (status == DM2_OK)
+        status = file_commit(&r->history, err);
     if (status != DM2_OK)
         results_abort(r);
     else
@@ -465,6 +591,9 @@ void results_abort(struct results *r)
     if (r == NULL)
         return;
     file_abandon(&r->history);
+    file_abandon(&r->fragments);
+    for (size_t k = 0; k < PROFILE_MAX; k++)
+        file_abandon(&r->profiles[k]);
     char *snapshots = text_join(r->directory, "/", snapshots_name);
     if (snapshots != NULL && r->made_snapshots)
         (void)rmdir(snapshots); /* both fail where something complete is inside, as they should */

@@ -36,6 +36,7 @@ struct field {
     int components;
     const char *component[3]; /* names, NULL: none */
     void (*get)(const struct snapshot *s, size_t i, double out[3]);
+    bool (*present)(const struct snapshot *s); /* NULL: always */
 };
 
 static void get_position(const struct snapshot *s, size_t i, double out[3])
@@ -89,7 +90,8 @@ static void get_temperature(const struct snapshot *s, size_t i, double out[3])
 
 static void get_pressure(const struct snapshot *s, size_t i, double out[3])
 {
-    out[0] = s->elements[i].p;
+    const double *stress = s->measured[i].stress;
+    out[0] = -0.5 * (stress[0] + stress[1]);
 }
 
 static void get_stress(const struct snapshot *s, size_t i, double out[3])
@@ -107,21 +109,57 @@ static void get_contacts(const struct snapshot *s, size_t i, double out[3])
     out[0] = s->measured[i].contacts;
 }
 
-static const struct field position_field = {"position", "pos", TYPE_F64, 3, {NULL, NULL, NULL}, get_position};
+static void get_bonds(const struct snapshot *s, size_t i, double out[3])
+{
+    out[0] = s->elements[i].bonds;
+}
+
+/* 1 - links/bonds; links that formed on the way may make up for broken ones, but not for more. */
+static void get_damage(const struct snapshot *s, size_t i, double out[3])
+{
+    double bonds = s->elements[i].bonds, links = s->measured[i].links;
+    out[0] = links < bonds ? 1 - links / bonds : 0;
+}
+
+static void get_fragment(const struct snapshot *s, size_t i, double out[3])
+{
+    out[0] = s->fragment[i];
+}
+
+static bool has_fragment(const struct snapshot *s)
+{
+    return s->fragment != NULL;
+}
+
+static void get_strain(const struct snapshot *s, size_t i, double out[3])
+{
+    memcpy(out, s->elements[i].strain, sizeof s->elements[i].strain);
+}
+
+static bool has_strain(const struct snapshot *s)
+{
+    return s->config->output.strain;
+}
+
+static const struct field position_field = {"position", "pos", TYPE_F64, 3, {NULL, NULL, NULL}, get_position, NULL};
 
 static const struct field fields[] = {
-    {"id", "id", TYPE_U32, 1, {NULL, NULL, NULL}, get_id},
-    {"kind", "kind", TYPE_U16, 1, {NULL, NULL, NULL}, get_kind},
-    {"body", "body", TYPE_U16, 1, {NULL, NULL, NULL}, get_body},
-    {"grain", "grain", TYPE_U32, 1, {NULL, NULL, NULL}, get_grain},
-    {"radius", "radius", TYPE_F64, 1, {NULL, NULL, NULL}, get_radius},
-    {"velocity", "velo", TYPE_F64, 3, {"x", "y", "z"}, get_velocity},
-    {"spin", "angular_velocity", TYPE_F64, 1, {NULL, NULL, NULL}, get_spin},
-    {"temperature", "temperature", TYPE_F64, 1, {NULL, NULL, NULL}, get_temperature},
-    {"pressure", "pressure", TYPE_F64, 1, {NULL, NULL, NULL}, get_pressure},
-    {"stress", NULL, TYPE_F64, 3, {"xx", "yy", "xy"}, get_stress},
-    {"links", "links", TYPE_U32, 1, {NULL, NULL, NULL}, get_links},
-    {"contacts", "contacts", TYPE_U32, 1, {NULL, NULL, NULL}, get_contacts},
+    {"id", "id", TYPE_U32, 1, {NULL, NULL, NULL}, get_id, NULL},
+    {"kind", "kind", TYPE_U16, 1, {NULL, NULL, NULL}, get_kind, NULL},
+    {"body", "body", TYPE_U16, 1, {NULL, NULL, NULL}, get_body, NULL},
+    {"grain", "grain", TYPE_U32, 1, {NULL, NULL, NULL}, get_grain, NULL},
+    {"radius", "radius", TYPE_F64, 1, {NULL, NULL, NULL}, get_radius, NULL},
+    {"velocity", "velo", TYPE_F64, 3, {"x", "y", "z"}, get_velocity, NULL},
+    {"spin", "angular_velocity", TYPE_F64, 1, {NULL, NULL, NULL}, get_spin, NULL},
+    {"temperature", "temperature", TYPE_F64, 1, {NULL, NULL, NULL}, get_temperature, NULL},
+    {"pressure", "pressure", TYPE_F64, 1, {NULL, NULL, NULL}, get_pressure, NULL},
+    {"stress", NULL, TYPE_F64, 3, {"xx", "yy", "xy"}, get_stress, NULL},
+    {"links", "links", TYPE_U32, 1, {NULL, NULL, NULL}, get_links, NULL},
+    {"contacts", "contacts", TYPE_U32, 1, {NULL, NULL, NULL}, get_contacts, NULL},
+    {"bonds", "bonds", TYPE_U16, 1, {NULL, NULL, NULL}, get_bonds, NULL},
+    {"damage", "damage", TYPE_F64, 1, {NULL, NULL, NULL}, get_damage, NULL},
+    {"fragment", "fragment", TYPE_U32, 1, {NULL, NULL, NULL}, get_fragment, has_fragment},
+    {"strain", NULL, TYPE_F64, 3, {"xx", "yy", "xy"}, get_strain, has_strain},
 };
 
 enum { N_FIELDS = sizeof fields / sizeof fields[0] };
@@ -129,6 +167,11 @@ enum { N_FIELDS = sizeof fields / sizeof fields[0] };
 void snapshot_file_name(int64_t step, const char *suffix, char out[SNAPSHOT_NAME_MAX])
 {
     (void)snprintf(out, SNAPSHOT_NAME_MAX, "state-%09" PRId64 ".%s", step, suffix);
+}
+
+static bool is_present(const struct field *f, const struct snapshot *s)
+{
+    return f->present == NULL || f->present(s);
 }
 
 /* --- base64 --------------------------------------------------------------------------------------------- */
@@ -208,8 +251,8 @@ static void write_field(struct base64 *b, const struct field *f, const struct sn
     array_close(b);
 }
 
-static const struct field connectivity = {"connectivity", NULL, TYPE_I64, 1, {NULL, NULL, NULL}, NULL};
-static const struct field offsets = {"offsets", NULL, TYPE_I64, 1, {NULL, NULL, NULL}, NULL};
+static const struct field connectivity = {"connectivity", NULL, TYPE_I64, 1, {NULL, NULL, NULL}, NULL, NULL};
+static const struct field offsets = {"offsets", NULL, TYPE_I64, 1, {NULL, NULL, NULL}, NULL, NULL};
 
 /* Offsets of n cells with `points` points each. */
 static void write_offsets(struct base64 *b, size_t n, size_t points)
@@ -231,29 +274,13 @@ static void write_vertices(struct base64 *b, size_t n)
     file_puts(b->file, "      </Verts>\n");
 }
 
-/* The index of an id: mostly the id itself, as none is missing. n where it is not there. */
-static size_t find_element(const struct snapshot *s, uint32_t id)
-{
-    if (id < s->n_elements && s->elements[id].id == id)
-        return id;
-    size_t low = 0, high = s->n_elements;
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        if (s->elements[middle].id < id)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low < s->n_elements && s->elements[low].id == id ? low : s->n_elements;
-}
-
 /* Whether the pair is drawn as a line, and between which points. */
 static bool is_line(const struct snapshot *s, const struct pair_record *pair, size_t end[2])
 {
     if (pair->linked == 0)
         return false;
-    end[0] = find_element(s, pair->id_a);
-    end[1] = find_element(s, pair->id_b);
+    end[0] = element_find(s->elements, s->n_elements, pair->id_a);
+    end[1] = element_find(s->elements, s->n_elements, pair->id_b);
     const struct config *c = s->config;
     for (int axis = 0; axis < 2; axis++) {
         double length = fabs(s->elements[end[0]].r[axis] - s->elements[end[1]].r[axis]);
@@ -337,7 +364,8 @@ static bool count_lines(const struct snapshot *s, size_t *n_lines, struct dm2_er
     size_t end[2], n = 0;
     for (size_t p = 0; p < s->n_pairs; p++) {
         const struct pair_record *pair = &s->pairs[p];
-        if (find_element(s, pair->id_a) == s->n_elements || find_element(s, pair->id_b) == s->n_elements) {
+        if (element_find(s->elements, s->n_elements, pair->id_a) == s->n_elements ||
+            element_find(s->elements, s->n_elements, pair->id_b) == s->n_elements) {
             (void)dm2_fail(err, DM2_NUMERIC,
                            "snapshot of step %" PRId64 ": the pair (%" PRIu32 ", %" PRIu32
                            ") names an element that is not in the state",
@@ -376,7 +404,8 @@ enum dm2_status snapshot_write_vtp(const char *path, const struct snapshot *s, s
     write_lines(&b, s, n_lines);
     file_puts(&f, "      <PointData Scalars=\"kind\" Vectors=\"velocity\">\n");
     for (int a = 0; a < N_FIELDS; a++)
-        write_field(&b, &fields[a], s);
+        if (is_present(&fields[a], s))
+            write_field(&b, &fields[a], s);
     file_puts(&f, "      </PointData>\n    </Piece>\n  </PolyData>\n</VTKFile>\n");
     return file_commit(&f, err);
 }
@@ -443,7 +472,8 @@ static void write_comment_line(struct file_out *f, const struct snapshot *s)
                 c->periodic[1] ? 'T' : 'F');
     write_property(f, &position_field);
     for (int a = 0; a < N_FIELDS; a++)
-        write_property(f, &fields[a]);
+        if (is_present(&fields[a], s))
+            write_property(f, &fields[a]);
     char time[NUMBER_TEXT_MAX];
     number_format((double)s->step * c->dt, time);
     file_printf(f, " Time=%s Step=%" PRId64 "\n", time, s->step);
@@ -473,7 +503,8 @@ enum dm2_status snapshot_write_xyz(const char *path, const struct snapshot *s, s
             file_printf(&f, "kind%u", kind);
         write_columns(&f, &position_field, s, i);
         for (int a = 0; a < N_FIELDS; a++)
-            write_columns(&f, &fields[a], s, i);
+            if (is_present(&fields[a], s))
+                write_columns(&f, &fields[a], s, i);
         file_puts(&f, "\n");
     }
     return file_commit(&f, err);

@@ -211,21 +211,6 @@ static const char *fault_of_element(const struct element *e, const struct elemen
     return NULL;
 }
 
-static bool has_element(const struct state *s, uint32_t id)
-{
-    size_t low = 0, high = s->n_elements;
-    if (id < high && s->elements[id].id == id)
-        return true;
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        if (s->elements[middle].id < id)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low < s->n_elements && s->elements[low].id == id;
-}
-
 static const char *fault_of_pair(const struct state *s, const struct pair_record *p,
                                  const struct pair_record *before)
 {
@@ -237,7 +222,8 @@ static const char *fault_of_pair(const struct state *s, const struct pair_record
         return "does not name its lower element first";
     if (before != NULL && (p->id_a < before->id_a || (p->id_a == before->id_a && p->id_b <= before->id_b)))
         return "is out of order or there twice";
-    if (!has_element(s, p->id_a) || !has_element(s, p->id_b))
+    if (element_find(s->elements, s->n_elements, p->id_a) == s->n_elements ||
+        element_find(s->elements, s->n_elements, p->id_b) == s->n_elements)
         return "names an element that is not in the state";
     return NULL;
 }

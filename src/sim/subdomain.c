@@ -22,6 +22,20 @@
 #include "dm2/sim/generate.h"
 #include "dm2/sim/leapfrog.h"
 #include "dm2/sim/lists.h"
+#include "dm2/sim/strain.h"
+
+/* A block that is kept from rebuild to rebuild: getting a large one anew costs more than filling it. */
+struct block {
+    void *item;
+    size_t cap; /* bytes */
+};
+
+static void *block_hold(struct block *b, size_t count, size_t size)
+{
+    if (size != 0 && count > SIZE_MAX / 2 / size)
+        return NULL;
+    return mem_grow(&b->item, &b->cap, 0, count * size + 1, 1) == 0 ? b->item : NULL;
+}
 
 struct element_array {
     struct element *item;
@@ -35,6 +49,11 @@ struct pair_array {
 
 struct slot_array {
     uint32_t *item;
+    size_t n, cap;
+};
+
+struct carried_array {
+    struct carried_pair *item;
     size_t n, cap;
 };
 
@@ -56,10 +75,13 @@ struct subdomain {
     struct lists lists;
     struct peer *peers;    /* [ranks] */
     struct idmap ids;      /* of mirrored elements and immigrants, for the memory of pairs */
+    struct block from, moved, old_id; /* of settle */
+    struct carried_array carried;     /* of settle */
     int32_t *cell_of;      /* global cell of each owned slot at the last sort_out; -1: emigrated */
     size_t cell_cap;
     size_t n_leaving;      /* emigrants of the last sort_out, still in their slots until take_in */
     struct pair_totals totals;
+    struct strain_sums strain;
     bool measured;         /* totals, virial, surroundings, links and contacts are of the present step */
     struct subdomain_times times;
 };
@@ -236,11 +258,6 @@ static int32_t new_slot(const struct subdomain *sd, const uint32_t *moved, size_
     return idmap_find(&sd->ids, id);
 }
 
-struct carried_array {
-    struct carried_pair *item;
-    size_t n, cap;
-};
-
 /* Keeps the memory of a pair if both elements are here and one is owned. */
 static int carry(const struct subdomain *sd, struct carried_array *out, int32_t a, int32_t b, bool linked, double stretch,
                  double spring)
@@ -361,7 +378,7 @@ static enum dm2_status settle(struct subdomain *sd, const struct parcel *parcels
 {
     size_t n_old = sd->p.n_own, n_all_old = sd->p.n, stayers = 0;
     struct intake in = {0};
-    struct carried_array carried = {0};
+    struct carried_array *carried = &sd->carried;
     uint32_t *from = NULL, *newcomer_slot = NULL, *moved = NULL, *old_id = NULL;
     enum dm2_status status = gather(sd, parcels, n_parcels, &in, err);
     if (status != DM2_OK)
@@ -373,10 +390,11 @@ static enum dm2_status settle(struct subdomain *sd, const struct parcel *parcels
         status = dm2_fail(err, DM2_NUMERIC, "a subdomain holds more than 2^31 elements: use more servers");
         goto done;
     }
-    from = mem_alloc(n, sizeof *from);
+    carried->n = 0;
+    from = block_hold(&sd->from, n, sizeof *from);
     newcomer_slot = mem_alloc(in.n_newcomers, sizeof *newcomer_slot);
-    moved = mem_alloc(n_old, sizeof *moved);
-    old_id = mem_alloc(n_all_old, sizeof *old_id);
+    moved = block_hold(&sd->moved, n_old, sizeof *moved);
+    old_id = block_hold(&sd->old_id, n_all_old, sizeof *old_id);
     status = DM2_MEMORY;
     if (from == NULL || newcomer_slot == NULL || moved == NULL || old_id == NULL ||
         idmap_prepare(&sd->ids, in.n_newcomers + in.n_mirrors) != 0)
@@ -403,19 +421,15 @@ static enum dm2_status settle(struct subdomain *sd, const struct parcel *parcels
     if (status != DM2_OK)
         goto done;
     status = DM2_MEMORY;
-    if ((!initial && carry_memory(sd, n_old, moved, old_id, &carried) != 0) ||
-        carry_parcels(sd, parcels, n_parcels, moved, old_id, n_old, &carried) != 0 || build_send_lists(sd) != 0)
+    if ((!initial && carry_memory(sd, n_old, moved, old_id, carried) != 0) ||
+        carry_parcels(sd, parcels, n_parcels, moved, old_id, n_old, carried) != 0 || build_send_lists(sd) != 0)
         goto done;
     sd->p.r[2 * n] = sd->p.r[2 * n + 1] = PARTICLES_FAR;
-    status = lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, carried.item, carried.n, initial, err);
+    status = lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, carried->item, carried->n, initial, err);
 done:
     free(in.newcomers);
     free(in.mirrors);
-    free(carried.item);
-    free(from);
     free(newcomer_slot);
-    free(moved);
-    free(old_id);
     if (status == DM2_MEMORY)
         return no_memory(sd, err);
     return status;
@@ -534,8 +548,13 @@ void subdomain_free(struct subdomain *sd)
     cells_free(&sd->cells);
     particles_free(&sd->p);
     lists_free(&sd->lists);
+    strain_free(&sd->strain);
     idmap_free(&sd->ids);
     free(sd->cell_of);
+    free(sd->from.item);
+    free(sd->moved.item);
+    free(sd->old_id.item);
+    free(sd->carried.item);
     free(sd);
 }
 
@@ -557,7 +576,8 @@ size_t subdomain_mirrored(const struct subdomain *sd)
 size_t subdomain_bytes(const struct subdomain *sd)
 {
     size_t bytes = sizeof *sd + particles_bytes(&sd->p) + lists_bytes(&sd->lists) + cells_bytes(&sd->cells, &sd->map) +
-                   sd->cell_cap * sizeof *sd->cell_of + sd->ids.slots * 8;
+                   sd->cell_cap * sizeof *sd->cell_of + sd->ids.slots * 8 + sd->from.cap + sd->moved.cap + sd->old_id.cap +
+                   sd->carried.cap * sizeof *sd->carried.item + sd->strain.cap * STRAIN_SUMS * sizeof *sd->strain.sum;
     for (int r = 0; r < sd->map.ranks; r++)
         bytes += sd->peers[r].send.cap * sizeof(uint32_t) +
                  (sd->peers[r].migrants.cap + sd->peers[r].mirrors.cap) * sizeof(struct element) +
@@ -576,6 +596,9 @@ enum dm2_status subdomain_forces(struct subdomain *sd, bool measure, struct dm2_
                        leapfrog_path_time(sd->model, sd->step), totals ? &sd->totals : NULL, sd->step, err);
     if (status == DM2_OK && sd->model->has_pressure)
         leapfrog_set_pressure(sd->model, &sd->p);
+    if (status == DM2_OK && sd->model->has_strain)
+        status = strain_add(sd->model, &sd->p, &sd->lists, leapfrog_path_time(sd->model, sd->step), sd->step,
+                            &sd->strain, err);
     sd->measured = totals;
     sd->times.forces += clock_now() - started;
     return status;
@@ -610,17 +633,30 @@ enum dm2_status subdomain_measure_last(struct subdomain *sd, struct measures *ou
     return integrate(sd, false, NULL, out, err);
 }
 
+enum dm2_status subdomain_profile(const struct subdomain *sd, size_t which, struct profile_bin *bins,
+                                  struct dm2_error *err)
+{
+    return profile_add(sd->model, &sd->p, &sd->model->config->profiles[which], sd->step, bins, err);
+}
+
 /* --- update ---------------------------------------------------------------------------------------------------- */
+
+/* Velocities of mirrored elements matter where pairs damp and where strain is measured. */
+static bool needs_velocity(const struct model *m)
+{
+    return m->has_damping || m->has_strain;
+}
 
 unsigned subdomain_update_fields(const struct model *m)
 {
-    return (m->has_damping ? UPDATE_VELOCITY : 0u) | (m->has_spin ? UPDATE_SPIN : 0u) | (m->has_heat ? UPDATE_HEAT : 0u) |
-           (m->has_pressure ? UPDATE_PRESSURE : 0u);
+    return (needs_velocity(m) ? UPDATE_VELOCITY : 0u) | (m->has_spin ? UPDATE_SPIN : 0u) |
+           (m->has_heat ? UPDATE_HEAT : 0u) | (m->has_pressure ? UPDATE_PRESSURE : 0u);
 }
 
 size_t subdomain_update_width(const struct model *m)
 {
-    return 2u + (m->has_damping ? 2u : 0u) + (m->has_spin ? 1u : 0u) + (m->has_heat ? 1u : 0u) + (m->has_pressure ? 1u : 0u);
+    return 2u + (needs_velocity(m) ? 2u : 0u) + (m->has_spin ? 1u : 0u) + (m->has_heat ? 1u : 0u) +
+           (m->has_pressure ? 1u : 0u);
 }
 
 size_t subdomain_send_count(const struct subdomain *sd, int dest)
@@ -642,7 +678,7 @@ void subdomain_pack_update(const struct subdomain *sd, int dest, double *out)
         size_t i = send->item[k];
         *out++ = p->r[2 * i];
         *out++ = p->r[2 * i + 1];
-        if (m->has_damping) {
+        if (needs_velocity(m)) {
             *out++ = p->v[2 * i];
             *out++ = p->v[2 * i + 1];
         }
@@ -670,7 +706,7 @@ enum dm2_status subdomain_take_update(struct subdomain *sd, int src, const doubl
         size_t k = 2;
         p->r[2 * i] = in[0];
         p->r[2 * i + 1] = in[1];
-        if (m->has_damping) {
+        if (needs_velocity(m)) {
             p->v[2 * i] = in[k++];
             p->v[2 * i + 1] = in[k++];
         }

@@ -25,6 +25,7 @@ done
 
 # The search methods: the text of the deck is in final.dm2, so across them the histories and the states' hashes are
 # compared.
+cp -r "$DM2_SRC/input/materials" . || fail "cannot copy the materials"
 expect_status 0 "$DM2_BIN/dm2-seq" "$deck" --hash-every 50 --progress never -o hashed
 grep '^step' out >hashes
 [ "$(wc -l <hashes)" -eq 5 ] || fail "--hash-every 50 printed: $(cat out)"

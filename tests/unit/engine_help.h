@@ -228,7 +228,8 @@ static inline bool engine_same_element(const struct element *a, const struct ele
            memcmp(&a->mass, &b->mass, sizeof a->mass) == 0 && memcmp(a->r, b->r, sizeof a->r) == 0 &&
            memcmp(a->v, b->v, sizeof a->v) == 0 && memcmp(&a->w, &b->w, sizeof a->w) == 0 &&
            memcmp(&a->heat, &b->heat, sizeof a->heat) == 0 && memcmp(&a->p, &b->p, sizeof a->p) == 0 &&
-           memcmp(&a->work, &b->work, sizeof a->work) == 0;
+           memcmp(&a->work, &b->work, sizeof a->work) == 0 &&
+           memcmp(a->strain, b->strain, sizeof a->strain) == 0 && a->bonds == b->bonds;
 }
 
 static inline bool engine_same_pair(const struct pair_record *a, const struct pair_record *b)

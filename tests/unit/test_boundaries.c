@@ -1,9 +1,9 @@
 /* What bounds a body: prescribed motion (fixed, driven), periodic sides, the body force. */
 #include "engine_help.h"
 
-#define SOLID                                                                                                   \
-    "time { dt = 0.01; steps = 100 }\n"                                                                        \
-    "material Cu { rho0 = 8.93; c0 = 0.394; s = 1.489; shear = 0.477; cp = 3.85e-6 }\n"                         \
+#define SOLID                                                                                                \
+    "time { dt = 0.01; steps = 100 }\n"                                                                      \
+    "material Cu { rho0 = 8.93; c0 = 0.394; s = 1.489; shear = 0.477; cp = 3.85e-6 }\n"                      \
     "interaction { zeta = 0.1; ct_ratio = 0.02 }\n"
 
 /* A block between a fixed floor and a piston that comes down; its neighbours are linked to both. */
@@ -11,7 +11,8 @@ static const char piston[] =
     "domain { size = 1.2 1.2; r_c = 0.06; delta_r = 0.01; boundary = periodic free }\n" SOLID
     "interface body { linked = yes }\n"
     "let row = 0.04*sqrt(3)/2\n"
-    "body floor { shape = rectangle 0 0 1.2 2*row; spacing = 0.04; origin = 0.01 0.01; material = Cu; motion = fixed }\n"
+    "body floor { shape = rectangle 0 0 1.2 2*row; spacing = 0.04; origin = 0.01 0.01; material = Cu; motion "
+    "= fixed }\n"
     "body block { shape = rectangle 0 2*row 1.2 22*row; spacing = 0.04; origin = 0.01 0.01; material = Cu }\n"
     "body lid { shape = rectangle 0 22*row 1.2 24*row; spacing = 0.04; origin = 0.01 0.01; material = Cu\n"
     "           motion = driven; velocity = 0 -0.01 }\n";
@@ -68,7 +69,8 @@ TEST(a_piston_is_the_same_on_any_number_of_ranks)
 static const char seamless[] =
     "let row = 0.05*sqrt(3)/2\n"
     "domain { size = 1.2 28*row; r_c = 0.08; delta_r = 0.01; boundary = periodic periodic }\n" SOLID
-    "body all { shape = rectangle 0 0 1.2 28*row; spacing = 0.05; origin = 0.0125 row/2; material = Cu; velocity = 0.02 0.01 }\n";
+    "body all { shape = rectangle 0 0 1.2 28*row; spacing = 0.05; origin = 0.0125 row/2; material = Cu; "
+    "velocity = 0.02 0.01 }\n";
 
 TEST(a_periodic_crystal_is_bulk)
 {
@@ -101,10 +103,13 @@ TEST(a_seam_is_nowhere)
     static const char text[] =
         "let row = 0.05*sqrt(3)/2\n"
         "let x = 0\n"
-        "domain { origin = -x 0; size = 1.2 28*row; r_c = 0.08; delta_r = 0.01; boundary = periodic periodic }\n" SOLID
-        "body left { shape = rectangle 0.4 0 0.8 28*row; spacing = 0.05; origin = 0.0125 row/2; material = Cu; velocity = 0.02 0 }\n"
-        "body right1 { shape = rectangle 0.8 0 1.2 - x 28*row; spacing = 0.05; origin = 0.0125 row/2; material = Cu }\n"
-        "body right2 { shape = rectangle -x 0 0.4 28*row; spacing = 0.05; origin = 0.0125 row/2; material = Cu }\n"
+        "domain { origin = -x 0; size = 1.2 28*row; r_c = 0.08; delta_r = 0.01; boundary = periodic periodic "
+        "}\n" SOLID "body left { shape = rectangle 0.4 0 0.8 28*row; spacing = 0.05; origin = 0.0125 row/2; "
+                    "material = Cu; velocity = 0.02 0 }\n"
+        "body right1 { shape = rectangle 0.8 0 1.2 - x 28*row; spacing = 0.05; origin = 0.0125 row/2; "
+        "material = Cu }\n"
+        "body right2 { shape = rectangle -x 0 0.4 28*row; spacing = 0.05; origin = 0.0125 row/2; material = "
+        "Cu }\n"
         "interface body { linked = yes }\n";
     struct measures m[2];
     for (int k = 0; k < 2; k++) {
@@ -120,12 +125,14 @@ TEST(a_seam_is_nowhere)
         engine_stop(&g[k]);
 }
 
-/* A thrown block: a parabola, its book closed by the work of gravity; and it comes to rest on a fixed floor. */
+/* A thrown block: a parabola, its book closed by the work of gravity; and it comes to rest on a fixed floor.
+ */
 TEST(gravity_does_work)
 {
     static const char text[] =
         "domain { size = 1 1; r_c = 0.08; delta_r = 0.01; gravity = 0.001 -0.02 }\n" SOLID
-        "body block { shape = rectangle 0.3 0.3 0.6 0.6; spacing = 0.05; material = Cu; velocity = 0 0.01 }\n";
+        "body block { shape = rectangle 0.3 0.3 0.6 0.6; spacing = 0.05; material = Cu; velocity = 0 0.01 "
+        "}\n";
     struct engine g;
     struct measures m;
     engine_start(&g, text, NULL, 2);
@@ -151,7 +158,8 @@ static void check_refused(const char *body, const char *message)
     char text[1200];
     snprintf(text, sizeof text,
              "domain { size = 1 1; r_c = 0.08; delta_r = 0.01 }\n" SOLID
-             "body b { shape = rectangle 0.3 0.3 0.6 0.6; spacing = 0.05; material = Cu; %s }\n", body);
+             "body b { shape = rectangle 0.3 0.3 0.6 0.6; spacing = 0.05; material = Cu; %s }\n",
+             body);
     struct loaded l = load_text(text, NULL, -1);
     CHECK_EQ_INT(l.status, DM2_DECK);
     CHECK_CONTAINS(l.report.text, message);

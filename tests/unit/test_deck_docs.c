@@ -34,6 +34,7 @@ static void value_text(const struct deck_key *key, char *out, size_t size)
         (void)snprintf(out, size, "word and numbers, cm");
         break;
     case VALUE_MATERIAL:
+    case VALUE_BODY:
         (void)snprintf(out, size, "name");
         break;
     case VALUE_MIX:

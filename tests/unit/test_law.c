@@ -135,6 +135,7 @@ TEST(exchange_changes_signs_alone)
                                  .mass_j = 0.01 * (1.0 + uniform()), .soft_i = uniform(), .soft_j = uniform(),
                                  .t_i = 300.0 + 500.0 * uniform(), .t_j = 300.0 + 500.0 * uniform(), .p_i = uniform(),
                                  .p_j = uniform()};
+        view.over_r = 1.0 / view.r;
         struct pair_state s = {.linked = uniform() < 0.6, .stretch = 0.0, .spring = 0.004 * (uniform() - 0.5)}, start;
         if (s.linked && uniform() < 0.5)
             s.stretch = 0.1 * r0 * uniform();

@@ -16,7 +16,8 @@
 #include "dm2/sim/state.h"
 
 static const uint8_t digest[RESULTS_DIGEST_BYTES] = {9, 8, 7};
-static const struct measure_scales scales = {.energy = 80, .momentum = 80, .length = 60, .velocity = 80};
+static const struct measure_scales scales = {.energy = 80, .momentum = 80, .length = 60, .velocity = 80,
+                                             .mass = 80, .volume = 80, .temperature = 60};
 
 static struct results *open_results(const struct fake *f, const char *name, bool overwrite)
 {
@@ -123,7 +124,7 @@ TEST(whole_run)
     CHECK(!scratch_exists("new/parents/run/history.csv"));
     CHECK_EQ_INT(results_close(r, &err), DM2_OK);
     CHECK_STR(err.text, "");
-    CHECK_EQ_INT(entries("new/parents/run"), 5);
+    CHECK_EQ_INT(entries("new/parents/run"), 6);
     CHECK_EQ_INT(entries("new/parents/run/snapshots"), 5);
 
     struct vtp vtp;
@@ -138,6 +139,9 @@ TEST(whole_run)
     char *log = scratch_read("new/parents/run/run.log", NULL);
     CHECK_STR(log, "log\n");
     free(log);
+    char *fragments = scratch_read("new/parents/run/fragments.csv", NULL);
+    CHECK_STR(fragments, "step,time [us],fragments,single,largest\n0,0,1,0,20\n200,5,1,0,20\n");
+    free(fragments);
     char *pvd = scratch_read("new/parents/run/snapshots/series.pvd", NULL);
     CHECK_CONTAINS(pvd, "state-000000000.vtp");
     CHECK_CONTAINS(pvd, "state-000000200.vtp");
@@ -180,6 +184,43 @@ TEST(history_rows)
     fake_free(&f);
 }
 
+/* Two bins along y, one of them empty. */
+TEST(profile_rows)
+{
+    struct fake f;
+    struct dm2_error err = {0};
+    struct profile_config profile = {.name = "depth", .axis = AXIS_Y, .bins = 2, .range = {0, 0.5}, .every = 10};
+    struct profile_bin bins[2] = {{.elements = 4}, {.elements = 0}};
+    fake_make(&f, 50, 2); /* 2 cm wide */
+    f.config.profiles = &profile;
+    f.config.n_profiles = 1;
+    exact_add(&bins[0].mass, 2, scales.mass);
+    exact_add(&bins[0].momentum[0], -1, scales.momentum);
+    exact_add(&bins[0].momentum[1], 0.5, scales.momentum);
+    exact_add(&bins[0].volume, 0.25, scales.volume);
+    for (int c = 0; c < 3; c++)
+        exact_add(&bins[0].stress[c], -0.5 * c, scales.energy);
+    exact_add(&bins[0].temperature, 1240, scales.temperature);
+    struct results *r = open_results(&f, "profile", false);
+    CHECK(results_profile_due(&f.config, 0, 0) && results_profile_due(&f.config, 0, 20) &&
+          results_profile_due(&f.config, 0, 200) && !results_profile_due(&f.config, 0, 5));
+    CHECK(results_measure_due(&f.config, 20) && !results_measure_due(&f.config, 5));
+    CHECK_EQ_INT(results_profile(r, 0, 40, bins, &err), DM2_OK);
+    CHECK(!scratch_exists("profile/profile-depth.csv"));
+    CHECK_EQ_INT(results_close(r, &err), DM2_OK);
+    char *text = scratch_read("profile/profile-depth.csv", NULL);
+    CHECK_STR(text, "step,time [us],y [cm],elements,density [g/cm3],vx [cm/us],vy [cm/us],stress_xx [Mbar],"
+                    "stress_yy [Mbar],stress_xy [Mbar],temperature [K]\n"
+                    "40,1,0.125,4,4,-0.5,0.25,0,-2,-4,310\n"
+                    "40,1,0.375,0,0,nan,nan,nan,nan,nan,nan\n");
+    free(text);
+    r = open_results(&f, "profile-aborted", false);
+    CHECK_EQ_INT(results_profile(r, 0, 40, bins, &err), DM2_OK);
+    results_abort(r);
+    CHECK_EQ_INT(entries("profile-aborted"), -1);
+    fake_free(&f);
+}
+
 TEST(not_empty_is_an_error)
 {
     struct fake f;
@@ -214,10 +255,14 @@ TEST(overwrite_replaces_only_our_files)
                                        "run.log",
                                        "timing.csv",
                                        "history.csv.part",
+                                       "fragments.csv",
+                                       "profile-old.csv",
+                                       "profile-x_2.csv.part",
                                        "snapshots/state-000000007.vtp",
                                        "snapshots/state-000000007.xyz.part",
                                        "snapshots/series.pvd"};
-    static const char *const theirs[] = {"notes.txt", "history.csv.orig", "snapshots/state-best.vtp",
+    static const char *const theirs[] = {"notes.txt", "history.csv.orig", "profile-.csv", "profile-a.b.csv",
+                                         "snapshots/state-best.vtp",
                                          "snapshots/state-000000007.vtp.bak", "snapshots/state-7.png"};
     fake_make(&f, 2, 2);
     mkdir(scratch_path("again"), 0777);
@@ -233,7 +278,7 @@ TEST(overwrite_replaces_only_our_files)
         scratch_write(name, "old");
     }
     struct results *r = open_results(&f, "again", true);
-    CHECK_EQ_INT(entries("again"), 4); /* theirs, snapshots and history.csv.part */
+    CHECK_EQ_INT(entries("again"), 6); /* theirs, snapshots and history.csv.part */
     CHECK_EQ_INT(entries("again/snapshots"), 3);
     CHECK_EQ_INT(results_close(r, &err), DM2_OK);
     CHECK(scratch_exists("again/history.csv"));
@@ -337,6 +382,7 @@ TEST(end)
 }
 
 TEST_MAIN(CASE(begin), CASE(default_directory), CASE(steps_that_are_due), CASE(whole_run), CASE(history_rows),
+          CASE(profile_rows),
           CASE(not_empty_is_an_error), CASE(overwrite_replaces_only_our_files),
           CASE(abort_leaves_nothing_half_written), CASE(full_disk), CASE(directory_that_cannot_be_written),
           CASE(end))

@@ -10,7 +10,7 @@
 
 static struct snapshot snapshot_of(const struct fake *f)
 {
-    return (struct snapshot){&f->config, 200, f->elements, f->measured, f->n, f->pairs, f->n_pairs};
+    return (struct snapshot){&f->config, 200, f->elements, f->measured, f->n, f->pairs, f->n_pairs, NULL};
 }
 
 static void check_well_formed(const char *name)
@@ -55,11 +55,13 @@ static void check_values(const struct vtp *vtp, const struct fake *f)
         CHECK_SAME_BITS(values(vtp, "velocity", 3)[3 * i + 1], m->velocity[1]);
         CHECK_SAME_BITS(values(vtp, "spin", 1)[i], e->w);
         CHECK_SAME_BITS(values(vtp, "temperature", 1)[i], m->temperature);
-        CHECK_SAME_BITS(values(vtp, "pressure", 1)[i], e->p);
+        CHECK_SAME_BITS(values(vtp, "pressure", 1)[i], -0.5 * (m->stress[0] + m->stress[1]));
         for (size_t c = 0; c < 3; c++)
             CHECK_SAME_BITS(values(vtp, "stress", 3)[3 * i + c], m->stress[c]);
         CHECK_EQ_INT(values(vtp, "links", 1)[i], m->links);
         CHECK_EQ_INT(values(vtp, "contacts", 1)[i], m->contacts);
+        CHECK_EQ_INT(values(vtp, "bonds", 1)[i], e->bonds);
+        CHECK_SAME_BITS(values(vtp, "damage", 1)[i], 1 - m->links / 6.0);
     }
 }
 
@@ -101,6 +103,44 @@ TEST(vtp_round_trip)
         vtp_free(&vtp);
         fake_free(&f);
     }
+}
+
+/* Strain and fragments are there where they are known, and only there. */
+TEST(arrays_on_demand)
+{
+    struct fake f;
+    struct vtp vtp;
+    struct dm2_error err = {0};
+    uint32_t fragment[12];
+    fake_make(&f, 4, 3);
+    f.elements[5].bonds = 0; /* no bond: no damage */
+    f.elements[6].bonds = 2;
+    f.measured[6].links = 5; /* more than at the start: none either */
+    for (uint32_t i = 0; i < 12; i++)
+        fragment[i] = i % 3;
+    struct snapshot s = snapshot_of(&f);
+    CHECK_EQ_INT(snapshot_write_vtp(scratch_path("d.vtp"), &s, &err), DM2_OK);
+    CHECK_EQ_INT(vtp_read(scratch_path("d.vtp"), &vtp, &err), DM2_OK);
+    CHECK(vtp_find(&vtp, "PointData", "strain") == NULL && vtp_find(&vtp, "PointData", "fragment") == NULL);
+    CHECK_SAME_BITS(values(&vtp, "damage", 1)[5], 0);
+    CHECK_SAME_BITS(values(&vtp, "damage", 1)[6], 0);
+    vtp_free(&vtp);
+    s.fragment = fragment;
+    f.config.output.strain = true;
+    CHECK_EQ_INT(snapshot_write_vtp(scratch_path("d.vtp"), &s, &err), DM2_OK);
+    check_well_formed("d.vtp");
+    CHECK_EQ_INT(vtp_read(scratch_path("d.vtp"), &vtp, &err), DM2_OK);
+    for (size_t i = 0; i < f.n; i++) {
+        CHECK_EQ_INT(values(&vtp, "fragment", 1)[i], fragment[i]);
+        for (size_t c = 0; c < 3; c++)
+            CHECK_SAME_BITS(values(&vtp, "strain", 3)[3 * i + c], f.elements[i].strain[c]);
+    }
+    vtp_free(&vtp);
+    CHECK_EQ_INT(snapshot_write_xyz(scratch_path("d.xyz"), &s, &err), DM2_OK);
+    char *text = scratch_read("d.xyz", NULL);
+    CHECK_CONTAINS(text, ":fragment:I:1:strain_xx:R:1:strain_yy:R:1:strain_xy:R:1 Time=5");
+    free(text);
+    fake_free(&f);
 }
 
 TEST(lines_are_the_linked_pairs)
@@ -202,7 +242,7 @@ TEST(xyz_round_trip)
     CHECK_CONTAINS(
         text, "Properties=species:S:1:pos:R:3:id:I:1:kind:I:1:body:I:1:grain:I:1:radius:R:1:velo:R:3:"
               "angular_velocity:R:1:temperature:R:1:pressure:R:1:stress_xx:R:1:stress_yy:R:1:stress_xy:R:1:"
-              "links:I:1:contacts:I:1 Time=5 Step=200\n");
+              "links:I:1:contacts:I:1:bonds:I:1:damage:R:1 Time=5 Step=200\n");
     const char *at = strchr(strchr(text, '\n') + 1, '\n');
     for (size_t i = 0; i < f.n; i++) {
         const struct element *e = &f.elements[i];
@@ -220,12 +260,14 @@ TEST(xyz_round_trip)
                                0,
                                e->w,
                                m->temperature,
-                               e->p,
+                               -0.5 * (m->stress[0] + m->stress[1]),
                                m->stress[0],
                                m->stress[1],
                                m->stress[2],
                                m->links,
-                               m->contacts};
+                               m->contacts,
+                               e->bonds,
+                               1 - m->links / 6.0};
         char buffer[64];
         at = word(at, buffer, sizeof buffer, NULL);
         CHECK_STR(buffer, f.materials[e->kind].name);
@@ -350,6 +392,7 @@ TEST(end)
     scratch_end();
 }
 
-TEST_MAIN(CASE(begin), CASE(vtp_round_trip), CASE(lines_are_the_linked_pairs), CASE(no_line_across_the_seam),
+TEST_MAIN(CASE(begin), CASE(vtp_round_trip), CASE(arrays_on_demand), CASE(lines_are_the_linked_pairs),
+          CASE(no_line_across_the_seam),
           CASE(absent_element_of_a_pair), CASE(series), CASE(xyz_round_trip), CASE(reader_refuses),
           CASE(xml_refuses), CASE(end))

@@ -124,6 +124,7 @@ struct plain {
     double (*sum)[7];        /* force, damping force, torque and its damping part, heat */
     uint32_t *contacts, *links;
     double *virial; /* [n][3] */
+    double (*around)[4]; /* sum of r (x) r and number of the pairs that touch or are linked */
     int64_t step;
 };
 
@@ -137,6 +138,7 @@ static void plain_start(struct plain *p, const struct engine *g, const struct en
     p->contacts = calloc(s->n, sizeof *p->contacts);
     p->links = calloc(s->n, sizeof *p->links);
     p->virial = calloc(3 * s->n, sizeof *p->virial);
+    p->around = calloc(s->n, sizeof *p->around);
 }
 
 static void plain_free(struct plain *p)
@@ -147,6 +149,7 @@ static void plain_free(struct plain *p)
     free(p->contacts);
     free(p->links);
     free(p->virial);
+    free(p->around);
 }
 
 static double plain_temperature(const struct plain *p, const struct element *e)
@@ -209,6 +212,9 @@ static void plain_pair(struct plain *p, size_t i, size_t j, double dt_kick, doub
         v[0] += sign * d[0] * f[0];
         v[1] += sign * d[1] * f[1];
         v[2] += sign * 0.5 * (d[0] * f[1] + d[1] * f[0]);
+        const double around[4] = {d[0] * d[0], d[1] * d[1], d[0] * d[1], 1.0};
+        for (int k = 0; k < 4 && (s->linked || e.contacting); k++)
+            p->around[side == 0 ? i : j][k] += around[k];
     }
 }
 
@@ -219,6 +225,7 @@ static void plain_forces(struct plain *p)
     memset(p->contacts, 0, p->n * sizeof *p->contacts);
     memset(p->links, 0, p->n * sizeof *p->links);
     memset(p->virial, 0, 3 * p->n * sizeof *p->virial);
+    memset(p->around, 0, p->n * sizeof *p->around);
     for (size_t i = 0; i < p->n; i++)
         for (size_t j = i + 1; j < p->n; j++)
             plain_pair(p, i, j, dt_kick, dt_path);
@@ -233,7 +240,8 @@ static void plain_move(struct plain *p)
         const double *s = p->sum[i];
         double dv[2] = {s[0] / e->mass * kick, s[1] / e->mass * kick};
         double dw = s[4] / (0.5 * e->mass * e->radius * e->radius) * kick;
-        double area = 2.0 * sqrt(3.0) * e->radius * e->radius;
+        const double *m = p->around[i]; /* six neighbours strain the hexagonal cell */
+        double area = m[3] == 6.0 ? sqrt((m[0] * m[1] - m[2] * m[2]) / 12.0) : 2.0 * sqrt(3.0) * e->radius * e->radius;
         if (p->m->has_pressure)
             e->p = 0.25 * (p->virial[3 * i] + p->virial[3 * i + 1]) / area;
         e->heat += s[6] - 0.5 * kick * (s[2] * dv[0] + s[3] * dv[1] + s[5] * dw);

@@ -379,6 +379,34 @@ TEST(a_state_is_compiled_from_parts)
     state_merge_free(&m);
 }
 
+/* A profile's message: its head, bins of every value, and a count that does not fit. */
+TEST(a_profile)
+{
+    struct bytes_writer w = {0};
+    struct profile_bin bin = {.elements = 7, .mass = {1, 2}, .momentum = {{3, 4}, {-5, 6}}, .volume = {7, 8},
+                              .stress = {{9, 10}, {-11, 12}, {13, UINT64_MAX}}, .temperature = {14, 15}}, got;
+    struct profile_message m = {.step = 40, .which = 2, .n_bins = 2}, in;
+    message_put_profile(&w, &m);
+    size_t head = w.length;
+    wire_put_bin(&w, &bin);
+    CHECK_EQ_INT(w.length, head + WIRE_BIN);
+    wire_put_bin(&w, &bin);
+    struct bytes_reader r = bytes_reader_of(w.data, w.length);
+    message_get_profile(&r, &in);
+    CHECK(!r.failed && in.step == 40 && in.which == 2 && in.n_bins == 2);
+    wire_get_bin(&r, &got);
+    CHECK_EQ_INT(memcmp(&got, &bin, sizeof bin), 0);
+    wire_get_bin(&r, &got);
+    CHECK(bytes_done(&r));
+    for (size_t n = 0; n < w.length; n++) { /* cut anywhere */
+        r = bytes_reader_of(w.data, n);
+        message_get_profile(&r, &in);
+        CHECK(r.failed);
+    }
+    bytes_free(&w);
+}
+
 TEST_MAIN(CASE(sizes), CASE(a_parcel_round_trip), CASE(elements_that_cannot_be), CASE(pairs_that_cannot_be),
           CASE(a_step_message_round_trip), CASE(a_deck_message_round_trip),
-          CASE(an_assign_message_round_trip), CASE(the_small_messages), CASE(a_state_is_compiled_from_parts))
+          CASE(an_assign_message_round_trip), CASE(the_small_messages), CASE(a_state_is_compiled_from_parts),
+          CASE(a_profile))

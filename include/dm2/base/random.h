@@ -8,7 +8,14 @@
 enum random_purpose {
     RANDOM_MIX = 1,
     RANDOM_VELOCITY_X,
-    RANDOM_VELOCITY_Y
+    RANDOM_VELOCITY_Y,
+    RANDOM_GRAIN_X,
+    RANDOM_GRAIN_Y,
+    RANDOM_GRAIN_SIZE,
+    RANDOM_GRAIN_ANGLE,
+    RANDOM_GRAIN_CORNERS,
+    RANDOM_GRAIN_CORNER,
+    RANDOM_LINK
 };
 
 /* 64 well-mixed bits (splitmix64's finalizer over the three inputs). */

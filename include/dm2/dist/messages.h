@@ -35,11 +35,12 @@ enum message_type {
     MESSAGE_STATE = 9,   /* s: a part of a state */
     MESSAGE_DONE = 10,   /* s: last measures, timing; the session is over */
     MESSAGE_ERROR = 11,  /* either: why the session ends now */
+    MESSAGE_PROFILE = 12, /* s: the sums of a profile, before STEP or DONE as STATE is */
     /* Before HELLO where a key is in use (dm2/dist/auth.h); the payloads are nonces and codes as they are. */
-    MESSAGE_KNOCK = 12,     /* c: nonce */
-    MESSAGE_CHALLENGE = 13, /* s: nonce */
-    MESSAGE_PROOF = 14,     /* c: code */
-    MESSAGE_GRANT = 15      /* s: code */
+    MESSAGE_KNOCK = 20,     /* c: nonce */
+    MESSAGE_CHALLENGE = 21, /* s: nonce */
+    MESSAGE_PROOF = 22,     /* c: code */
+    MESSAGE_GRANT = 23      /* s: code */
 };
 
 /* Largest payloads, bytes. */
@@ -121,6 +122,13 @@ struct server_times {
     uint64_t messages_in, messages_out, bytes_in, bytes_out;
 };
 
+/* Behind it stand n_bins bins (wire_get_bin). */
+struct profile_message {
+    int64_t step;
+    size_t which; /* of the deck's profiles */
+    size_t n_bins;
+};
+
 struct done_message {
     struct measures measures; /* of the last state */
     struct server_times times;
@@ -153,6 +161,8 @@ void message_put_next(struct bytes_writer *w, const struct next_message *m);
 void message_get_next(struct bytes_reader *r, struct next_message *m);
 void message_put_state(struct bytes_writer *w, const struct state_message *m);
 void message_get_state(struct bytes_reader *r, struct state_message *m);
+void message_put_profile(struct bytes_writer *w, const struct profile_message *m);
+void message_get_profile(struct bytes_reader *r, struct profile_message *m);
 void message_put_done(struct bytes_writer *w, const struct done_message *m);
 void message_get_done(struct bytes_reader *r, struct done_message *m);
 void message_put_error(struct bytes_writer *w, const struct error_message *m);

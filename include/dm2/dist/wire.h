@@ -17,7 +17,8 @@ enum {
     WIRE_MIRROR = 86,                     /* bytes of an element that is mirrored, */
     WIRE_ELEMENT = WIRE_MIRROR + 34,      /* of one with what only its owner knows, */
     WIRE_PAIR = 25,                       /* of the memory of a pair, */
-    WIRE_MEASURED = 56                    /* of what was measured of an element */
+    WIRE_MEASURED = 56,                   /* of what was measured of an element, */
+    WIRE_BIN = 8 + 8 * 16                 /* of a bin of a profile */
 };
 
 /* What indices of a record must stay below. */
@@ -47,6 +48,9 @@ void wire_get_measured(struct bytes_reader *r, struct element_measure *out);
 /* What was measured of a whole subdomain. */
 void wire_put_measures(struct bytes_writer *w, const struct measures *m);
 void wire_get_measures(struct bytes_reader *r, struct measures *out);
+
+void wire_put_bin(struct bytes_writer *w, const struct profile_bin *b);
+void wire_get_bin(struct bytes_reader *r, struct profile_bin *out);
 
 /* Counts, then migrants, pairs and mirrors. The arrays of a parcel that is read are malloc'd:
  * wire_parcel_free. Lack of memory fails the reader too. */

@@ -12,7 +12,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { NAME_MAX_LENGTH = 31, PROBE_MAX = 8, MIX_MAX = 4, POLYGON_MAX = 64 };
+enum { NAME_MAX_LENGTH = 31, PROBE_MAX = 8, PROFILE_MAX = 8, MIX_MAX = 4, POLYGON_MAX = 64 };
 typedef char name_text[NAME_MAX_LENGTH + 1];
 
 enum potential_kind { POTENTIAL_QUADRATIC, POTENTIAL_MORSE, POTENTIAL_LENNARD_JONES };
@@ -22,6 +22,7 @@ enum search_kind { SEARCH_CELLS_AND_LISTS, SEARCH_LISTS, SEARCH_CELLS };
 enum balance_kind { BALANCE_SPACE, BALANCE_PARTICLES };
 enum lattice_kind { LATTICE_HEXAGONAL, LATTICE_SQUARE };
 enum motion_kind { MOTION_FREE, MOTION_FIXED, MOTION_DRIVEN };
+enum structure_kind { STRUCTURE_CRYSTAL, STRUCTURE_POLYCRYSTAL, STRUCTURE_DISCS, STRUCTURE_POLYGONS };
 enum shape_kind { SHAPE_RECTANGLE, SHAPE_DISC, SHAPE_POLYGON };
 
 /* material NAME { ... } */
@@ -57,8 +58,8 @@ struct interaction_config {
     double mu;                         /* dry friction, default 0 */
     double yield, tensile;             /* override of the weaker material's Y and Yt0; NaN: none */
     double link_form, link_break;      /* in r0; defaults 0 (no welding) and 1.05 */
-    bool linked;                       /* do lattice neighbours start linked; default yes in one grain, else no */
-    double conductance;                /* factor on kappa_ij, default 1 */
+    bool linked;        /* do lattice neighbours start linked; default yes in one grain, else no */
+    double conductance; /* factor on kappa_ij, default 1 */
 };
 
 /* How two elements stand to each other: which interface their pair is. */
@@ -66,10 +67,10 @@ enum relation { RELATION_SAME_GRAIN, RELATION_OTHER_GRAIN, RELATION_OTHER_BODY, 
 
 struct shape_config {
     enum shape_kind kind;
-    double box[4];      /* rectangle: x0 y0 x1 y1, half-open: x0 <= x < x1; of the centre of an element */
-    double centre[2];   /* disc */
-    double radius;      /* disc */
-    size_t n_vertices;  /* polygon */
+    double box[4];     /* rectangle: x0 y0 x1 y1, half-open: x0 <= x < x1; of the centre of an element */
+    double centre[2];  /* disc */
+    double radius;     /* disc */
+    size_t n_vertices; /* polygon */
     double vertex[POLYGON_MAX][2];
 };
 
@@ -78,19 +79,41 @@ struct body_config {
     name_text name;
     struct shape_config shape;
     enum lattice_kind lattice;
-    double spacing;     /* d, cm */
-    double row_spacing; /* cm; default sqrt(3)/2 d, or d on the square lattice */
-    double origin[2];   /* where one site lies, cm; rows are counted from there */
-    double angle;       /* of the rows against x, radians, default 0 */
-    double radius;      /* R of the elements, cm; default d/2 */
-    size_t n_mix;       /* materials and their volume fractions; the fractions sum to 1 */
+    enum structure_kind structure; /* one crystal, a polycrystal, a powder of discs or of polygons */
+    double grain_size;             /* mean diameter of grains, cm; NaN for a crystal */
+    double grain_spread;           /* of a powder: diameters are uniform in grain_size (1 +- spread) */
+    double solid_fraction;         /* of a powder: area of the grains in that of the shape; NaN otherwise */
+    double missing_links;          /* fraction of the body's own first links that are not there */
+    double spacing;                /* d, cm */
+    double row_spacing;            /* cm; default sqrt(3)/2 d, or d on the square lattice */
+    double origin[2];              /* where one site lies, cm; rows are counted from there */
+    double angle;                  /* of the rows against x, radians, default 0 */
+    double radius;                 /* R of the elements, cm; default d/2 */
+    size_t n_mix;                  /* materials and their volume fractions; the fractions sum to 1 */
     int mix_material[MIX_MAX];
     double mix_fraction[MIX_MAX];
-    uint64_t seed;      /* of the mix and of the random velocities */
-    enum motion_kind motion; /* free, fixed in its place, or driven: `velocity` for ever, whatever the forces */
+    uint64_t seed; /* of all that is random in the body */
+    enum motion_kind
+        motion;         /* free, fixed in its place, or driven: `velocity` for ever, whatever the forces */
     double velocity[2]; /* cm/us */
     double jitter;      /* each velocity component is uniform in +-jitter about it, cm/us; default 0 */
     double temperature; /* K, default 300 */
+};
+
+/* void NAME { ... }: elements of the body, or of any body, whose centre would lie in the shape are left out.
+ */
+struct void_config {
+    name_text name;
+    struct shape_config shape;
+    int body; /* -1: any */
+};
+
+/* flaw NAME { ... }: a line across which there are no first links, within the body or within and between any.
+ */
+struct flaw_config {
+    name_text name;
+    double line[4]; /* x0 y0 x1 y1, cm */
+    int body;       /* -1: any */
 };
 
 /* probe NAME { region = x0 y0 x1 y1 }: the elements that start there; their mean position and velocity
@@ -100,28 +123,43 @@ struct probe_config {
     double box[4];
 };
 
+enum axis_kind { AXIS_X, AXIS_Y };
+
+/* profile NAME { axis = x|y ... }: means over bins along an axis, in profile-NAME.csv. */
+struct profile_config {
+    name_text name;
+    enum axis_kind axis;
+    int64_t bins;    /* 1 to 10000 */
+    double range[2]; /* cm; default the domain */
+    int64_t every;   /* steps between profiles, default 1/20 of the run, at least 1 */
+};
+
 struct output_config {
     int64_t history_every;  /* steps between rows of history.csv, default 1/200 of the run, at least 1 */
     int64_t snapshot_every; /* 0: none by interval */
     size_t n_snapshot_at;
-    int64_t *snapshot_at;   /* further steps, ascending, without repeats */
-    bool vtp, xyz;          /* formats; default vtp */
+    int64_t *snapshot_at; /* further steps, ascending, without repeats */
+    bool vtp, xyz;        /* formats; default vtp */
+    bool strain;          /* measure the strain of elements; default no */
 };
 
 struct config {
     double origin[2], size[2]; /* of the domain, cm */
     bool periodic[2];
-    double r_c, delta_r;       /* R_c and the margin dR of the lists, cm */
+    double r_c, delta_r; /* R_c and the margin dR of the lists, cm */
     enum search_kind search;
-    int64_t rebuild_every;     /* 0: when dumax says so; K: also every K steps */
+    int64_t rebuild_every; /* 0: when dumax says so; K: also every K steps */
     enum balance_kind balance;
-    double dt;                 /* us */
+    double dt; /* us */
     int64_t steps;
-    double gravity[2];         /* body acceleration, cm/us2 */
-    size_t n_materials, n_bodies, n_probes;
+    double gravity[2]; /* body acceleration, cm/us2 */
+    size_t n_materials, n_bodies, n_probes, n_profiles, n_voids, n_flaws;
     struct material_config *materials;
     struct body_config *bodies;
     struct probe_config *probes;
+    struct profile_config *profiles;
+    struct void_config *voids;
+    struct flaw_config *flaws;
     struct output_config output;
     struct interaction_rule *rules; /* read with config_interaction */
     size_t n_rules;

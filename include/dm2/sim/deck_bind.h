@@ -9,7 +9,7 @@
 #include "dm2/sim/deck_tree.h"
 #include "dm2/sim/interaction_rule.h"
 
-enum { MATERIAL_MAX = 256, BODY_MAX = 65535, RULE_MAX = 1000 };
+enum { MATERIAL_MAX = 256, BODY_MAX = 65535, RULE_MAX = 1000, VOID_MAX = 10000, FLAW_MAX = 10000 };
 
 struct deck_binding {
     struct deck_tree *tree;
@@ -18,7 +18,8 @@ struct deck_binding {
     bool steps_replaced;        /* by --steps */
     enum block_kind *kinds;     /* of each block of the tree; BLOCK_COUNT: unknown */
     size_t single[BLOCK_COUNT]; /* index of the first block of a kind; tree->n_blocks: none */
-    size_t *material_block, *body_block, *probe_block, *rule_block; /* of config->materials etc. */
+    size_t *material_block, *body_block, *probe_block, *profile_block, *rule_block,
+        *void_block, *flaw_block; /* of config->materials etc. */
 };
 
 /* Fills *b and b->config, both empty at the start but for tree, findings and config. A real value that was
@@ -43,6 +44,9 @@ bool value_read(struct deck_binding *b, const struct deck_key *key, struct deck_
 
 /* The index of the material that a value names; -1: there is none, reported. */
 int binding_material(struct deck_binding *b, struct deck_place name);
+
+/* The index of the body that a value names; -1: there is none, reported. Bodies are bound by then. */
+int binding_body(struct deck_binding *b, struct deck_place name);
 
 /* A double as messages show it, with the fewest digits that read back. */
 struct number_text {

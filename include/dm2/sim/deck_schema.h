@@ -16,7 +16,10 @@ enum block_kind {
     BLOCK_INTERACTION,
     BLOCK_INTERFACE, /* has the keywords of interaction */
     BLOCK_BODY,
+    BLOCK_VOID,
+    BLOCK_FLAW,
     BLOCK_PROBE,
+    BLOCK_PROFILE,
     BLOCK_OUTPUT,
     BLOCK_COUNT
 };
@@ -28,6 +31,7 @@ enum value_type {
     VALUE_FLAG,     /* `count` words of two choices, stored as bools: is it the second? */
     VALUE_SHAPE,    /* rectangle | disc | polygon and lengths */
     VALUE_MATERIAL, /* the name of a material */
+    VALUE_BODY,     /* the name of a body */
     VALUE_MIX,      /* names of materials, each with a fraction */
     VALUE_STEPS,    /* a list of steps */
     VALUE_FORMATS   /* a list of vtp, xyz */

@@ -3,6 +3,7 @@
 #ifndef DM2_SIM_ELEMENT_H
 #define DM2_SIM_ELEMENT_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 enum element_flag {
@@ -46,5 +47,8 @@ struct element_measure {
     uint32_t links;   /* linked pairs */
     uint32_t contacts;
 };
+
+/* The index of the element with this id among n elements in id order; n where there is none. */
+size_t element_find(const struct element *elements, size_t n, uint32_t id);
 
 #endif

@@ -10,8 +10,10 @@
 /* Receives one element; the record is the generator's. DM2_OK to go on, anything else ends the generation. */
 typedef enum dm2_status (*element_sink)(void *context, const struct element *element, struct dm2_error *err);
 
-/* Calls sink for each element, ids 0, 1, 2, ... body by body in deck order, row by row, along the row. DM2_DECK where
- * a body holds no element or there are more than 2^32 - 1, and whatever the sink returned. */
-enum dm2_status generate_elements(const struct model *model, element_sink sink, void *context, struct dm2_error *err);
+/* Calls sink for each element, ids 0, 1, 2, ... body by body in deck order, grain by grain, row by row, along
+ * the row; grains are numbered in the same order. DM2_DECK where a powder cannot be packed, a body holds no
+ * element or there are more than 2^32 - 1, and whatever the sink returned. */
+enum dm2_status generate_elements(const struct model *model, element_sink sink, void *context,
+                                  struct dm2_error *err);
 
 #endif

@@ -11,6 +11,7 @@
 #include <stdint.h>
 
 #include "dm2/base/status.h"
+#include "dm2/sim/bins.h"
 #include "dm2/sim/cells.h"
 #include "dm2/sim/particles.h"
 
@@ -21,19 +22,24 @@ struct half_list {
     size_t row_cap, cap;
 };
 
+/* Memory of pairs that survives a rebuild, by new slots a < b, a owned; sorted into rows by a. */
+struct carried_pair {
+    uint32_t a, b;
+    double stretch, spring;
+    bool linked;
+};
+
 struct lists {
     struct half_list far, near;
     /* memory of the near pairs, per entry */
     uint8_t *linked;
     double *stretch, *spring;
     size_t memory_cap;
-};
-
-/* Memory of pairs that survives a rebuild, by new slots a < b, a owned; sorted into rows by a. */
-struct carried_pair {
-    uint32_t a, b;
-    double stretch, spring;
-    bool linked;
+    struct bins bins; /* of the last build, where bins served it */
+    /* of a build: the carried pairs by row */
+    struct carried_pair *sorted;
+    uint32_t *rows;
+    size_t sorted_cap, rows_cap;
 };
 
 /* Builds both lists for the elements of p, which are in cell order. carried[0 .. n_carried) is given to the new

@@ -10,7 +10,7 @@
 
 /* The shifts (dm2/base/exact.h) of each kind of sum, from the deck: the same on every server. */
 struct measure_scales {
-    int energy, momentum, length, velocity;
+    int energy, momentum, length, velocity, mass, volume, temperature;
 };
 
 struct probe_sums {

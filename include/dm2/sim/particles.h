@@ -47,6 +47,8 @@ struct particles {
     int64_t *around;   /* [n][AROUND_COUNT] of the pairs that touch or are linked then: their number, and the fixed-point
                           sum of r (x) r, which tells the area that an element has among its neighbours */
     uint16_t *links, *contacts; /* [n] of the last measuring step */
+    void *scratch;              /* of particles_permute */
+    size_t scratch_cap;
 };
 
 /* Where slot n, which belongs to nobody, lies while lists are padded with it, cm; its square is finite. */

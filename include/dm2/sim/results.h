@@ -1,15 +1,18 @@
 /* The run directory: what a run leaves on disk (docs: README, "The run directory").
  *
  *   history.csv            one row per measured step, units in the header line
+ *   profile-NAME.csv       one row per bin and measured step of each profile of the deck (dm2/sim/profile.h)
+ *   fragments.csv          one row per snapshot: how many fragments there are (dm2/sim/fragments.h)
  *   final.dm2              the state after the last step (dm2/sim/state.h)
  *   snapshots/state-*.vtp  states at the steps that the deck names, with series.pvd (ParaView),
  *   snapshots/state-*.xyz  and/or extended XYZ (OVITO) (dm2/sim/snapshot.h)
  *   run.log, timing.csv    texts that the program writes with results_text
  *
  * Every file is written under a temporary name (its own with ".part" at the end), brought to disk and
- * renamed, so a file under its final name is always whole. history.csv gets its final name in results_close
- * only: a run that ended early leaves no history and no final state, while the snapshots that it completed
- * stay. The bytes of history.csv, final.dm2 and the snapshots depend on the deck and the results alone.
+ * renamed, so a file under its final name is always whole. The tables that grow with the run, history.csv,
+ * profile-NAME.csv and fragments.csv, get their final names in results_close only: a run that ended early leaves no
+ * history and no final state, while the snapshots that it completed stay. The bytes of all but run.log and timing.csv
+ * depend on the deck and the results alone.
  *
  * Every function that returns a status: DM2_IO with the path and the system's reason, or DM2_MEMORY. After a
  * failure call results_abort. A disk that is full arrives as DM2_IO; so does a file size limit (RLIMIT_FSIZE)
@@ -25,6 +28,7 @@
 #include "dm2/sim/config.h"
 #include "dm2/sim/element.h"
 #include "dm2/sim/measures.h"
+#include "dm2/sim/profile.h"
 
 struct results;
 
@@ -53,13 +57,23 @@ bool results_history_due(const struct config *c, int64_t step);
 /* Whether the deck asks for a snapshot of the state at `step`. */
 bool results_snapshot_due(const struct config *c, int64_t step);
 
+/* Whether the deck's profile `which` is due at `step`: every so many steps, and at the last one. */
+bool results_profile_due(const struct config *c, size_t which, int64_t step);
+
+/* Whether any of these is due, so that the step has to measure. */
+bool results_measure_due(const struct config *c, int64_t step);
+
 /* Appends the row of one step. The columns `total` = kinetic + potential + elastic + thermal - work is what
  * an exact integration keeps constant; it is summed exactly before it is rounded. */
 enum dm2_status results_history(struct results *r, int64_t step, const struct measures *m,
                                 struct dm2_error *err);
 
+/* Appends the rows of one step of the deck's profile `which`. */
+enum dm2_status results_profile(struct results *r, size_t which, int64_t step, const struct profile_bin *bins,
+                                struct dm2_error *err);
+
 /* Writes the state at `step` in each format that the deck asks for. Arrays in id order, `measured` beside
- * `elements`, `pairs` by (id_a, id_b). */
+ * `elements`, `pairs` by (id_a, id_b). Counts its fragments. */
 enum dm2_status results_snapshot(struct results *r, int64_t step, const struct element *elements,
                                  const struct element_measure *measured, size_t n_elements,
                                  const struct pair_record *pairs, size_t n_pairs, struct dm2_error *err);

@@ -30,6 +30,7 @@
 #include "dm2/sim/grid.h"
 #include "dm2/sim/measures.h"
 #include "dm2/sim/model.h"
+#include "dm2/sim/profile.h"
 
 struct subdomain;
 
@@ -73,6 +74,11 @@ enum dm2_status subdomain_move(struct subdomain *sd, double *dmax, struct measur
 /* As subdomain_move, without moving: the measures of the last state of a run. The subdomain is then spent: only
  * subdomain_collect and subdomain_free may follow. */
 enum dm2_status subdomain_measure_last(struct subdomain *sd, struct measures *out, struct dm2_error *err);
+
+/* Adds the owned elements to the bins of the deck's profile `which`, after subdomain_forces(measure) and before the
+ * move. DM2_NUMERIC: a value beyond the sums. */
+enum dm2_status subdomain_profile(const struct subdomain *sd, size_t which, struct profile_bin *bins,
+                                  struct dm2_error *err);
 
 /* --- update ------------------------------------------------------------------------------------------- */
 

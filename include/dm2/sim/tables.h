@@ -37,6 +37,7 @@ struct model {
     bool has_damping;      /* some law damps: velocities of mirrored elements matter */
     bool has_heat;         /* temperature changes something: softening, conduction, damping's a_t */
     bool has_pressure;     /* some damping depends on pressure */
+    bool has_strain;       /* the deck asks for strain: velocities of mirrored elements matter */
     bool uniform_far;      /* one kind, one far law */
     bool wide_far;         /* and that law is a plain Lennard-Jones potential: rows of the far list are padded to fours */
     bool wide_near;        /* the commonest laws allow near pairs to be taken four at a time */
