@@ -99,6 +99,38 @@ static void get_stress(const struct snapshot *s, size_t i, double out[3])
     memcpy(out, s->measured[i].stress, sizeof s->measured[i].stress);
 }
 
+/* Which phase of its material: 0 the first, then in deck order. */
+static void get_phase(const struct snapshot *s, size_t i, double out[3])
+{
+    const struct config *c = s->config;
+    size_t kind = s->elements[i].kind, phase = 0;
+    for (size_t k = c->n_materials; k <= kind && k < c->n_materials + c->n_phases; k++)
+        phase += c->phases[k - c->n_materials].material == c->phases[kind - c->n_materials].material;
+    out[0] = (double)phase;
+}
+
+static bool has_phases(const struct snapshot *s)
+{
+    return s->config->n_phases > 0;
+}
+
+static bool has_composition(const struct snapshot *s)
+{
+    return s->config->n_reactions > 0;
+}
+
+static void get_composition(const struct snapshot *s, size_t i, double out[3])
+{
+    const struct reaction_config *r = &s->config->reactions[0];
+    const struct config *c = s->config;
+    size_t kind = s->elements[i].kind;
+    int material = kind < c->n_materials ? (int)kind : c->phases[kind - c->n_materials].material;
+    bool takes_part = material == r->reactant[0] || material == r->reactant[1] || material == r->product;
+    out[0] = s->elements[i].share[0];
+    out[1] = s->elements[i].share[1];
+    out[2] = takes_part ? 1.0 - out[0] - out[1] : 0.0;
+}
+
 static void get_links(const struct snapshot *s, size_t i, double out[3])
 {
     out[0] = s->measured[i].links;
@@ -154,6 +186,8 @@ static const struct field fields[] = {
     {"temperature", "temperature", TYPE_F64, 1, {NULL, NULL, NULL}, get_temperature, NULL},
     {"pressure", "pressure", TYPE_F64, 1, {NULL, NULL, NULL}, get_pressure, NULL},
     {"stress", NULL, TYPE_F64, 3, {"xx", "yy", "xy"}, get_stress, NULL},
+    {"phase", "phase", TYPE_U16, 1, {NULL, NULL, NULL}, get_phase, has_phases},
+    {"composition", NULL, TYPE_F64, 3, {"a", "b", "product"}, get_composition, has_composition},
     {"links", "links", TYPE_U32, 1, {NULL, NULL, NULL}, get_links, NULL},
     {"contacts", "contacts", TYPE_U32, 1, {NULL, NULL, NULL}, get_contacts, NULL},
     {"bonds", "bonds", TYPE_U16, 1, {NULL, NULL, NULL}, get_bonds, NULL},
@@ -348,9 +382,10 @@ static void write_field_data(struct file_out *f, const struct snapshot *s)
         "      <DataArray type=\"UInt8\" Name=\"periodic\" NumberOfTuples=\"2\" format=\"ascii\">%d %d"
         "</DataArray>\n",
         c->periodic[0], c->periodic[1]);
-    string_array_open(f, "materials", c->n_materials);
-    for (size_t m = 0; m < c->n_materials; m++)
-        write_string(f, c->materials[m].name);
+    struct kind_name name;
+    string_array_open(f, "materials", c->n_materials + c->n_phases);
+    for (size_t m = 0; m < c->n_materials + c->n_phases; m++)
+        write_string(f, config_kind_name(c, m, &name));
     file_puts(f, "</Array>\n");
     string_array_open(f, "bodies", c->n_bodies);
     for (size_t m = 0; m < c->n_bodies; m++)
@@ -497,8 +532,9 @@ enum dm2_status snapshot_write_xyz(const char *path, const struct snapshot *s, s
     write_comment_line(&f, s);
     for (size_t i = 0; i < s->n_elements; i++) {
         unsigned kind = s->elements[i].kind;
-        if (kind < s->config->n_materials)
-            file_puts(&f, s->config->materials[kind].name);
+        struct kind_name name;
+        if (kind < s->config->n_materials + s->config->n_phases)
+            file_puts(&f, config_kind_name(s->config, kind, &name));
         else
             file_printf(&f, "kind%u", kind);
         write_columns(&f, &position_field, s, i);
