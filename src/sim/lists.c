@@ -94,7 +94,7 @@ static void consider_near(struct builder *b, uint32_t i, uint32_t j, double r2)
     const struct particles *p = b->p;
     enum relation relation = relation_of(p->body[i], p->grain[i], p->body[j], p->grain[j]);
     const struct pair_law *law = model_law(b->m, p->kind[i], p->kind[j], relation);
-    double r0 = p->radius[i] + p->radius[j], reach = r0 + b->m->config->delta_r;
+    double r0 = p->radius[i] + p->radius[j], reach = r0 * b->m->growth + b->m->config->delta_r;
     if (b->initial && r2 < 0.25 * (r0 * r0) && !b->overlap) {
         b->overlap = true;
         b->close_a = i;
@@ -127,7 +127,7 @@ static inline void meet(struct builder *b, uint32_t i, uint32_t j)
     double dy = lists_wrap(r[2 * i + 1] - r[2 * j + 1], b->period[1], b->half[1]);
     double r2 = dx * dx + dy * dy;
     if (r2 <= b->far_reach2)
-        b->lists->far.j[b->far_count++] = j;
+        b->lists->far.j[b->far_count++] = 2 * j;
     if (r2 <= b->near_reach2)
         consider_near(b, i, j, r2);
 }
@@ -211,7 +211,7 @@ static int row_from_all(struct builder *b, uint32_t i)
 static void pad_row(struct builder *b)
 {
     while (b->far_count % SIMD_LANES != 0)
-        b->lists->far.j[b->far_count++] = (uint32_t)b->p->n;
+        b->lists->far.j[b->far_count++] = 2 * (uint32_t)b->p->n;
 }
 
 /* Gives the memory that row i carries over to its entries; a linked pair out of reach of contact gets its own. */
@@ -234,20 +234,25 @@ static int remember(struct builder *b, uint32_t i, const struct carried_pair *pa
     return 0;
 }
 
-/* Sorts carried pairs by row, counting; *rows has n_own + 1 starts. */
-static int sort_carried(const struct carried_pair *in, size_t n, size_t n_own, struct carried_pair **out, uint32_t **rows)
+/* Sorts carried pairs by row, counting, into lists->sorted; lists->rows has n_own + 1 starts. */
+static int sort_carried(struct lists *l, const struct carried_pair *in, size_t n, size_t n_own)
 {
-    *out = mem_alloc(n, sizeof **out);
-    *rows = mem_zalloc(n_own + 2, sizeof **rows);
-    if (*out == NULL || *rows == NULL)
+    void *sorted = l->sorted, *rows = l->rows;
+    int status = mem_grow(&sorted, &l->sorted_cap, 0, n + 1, sizeof *l->sorted);
+    l->sorted = sorted;
+    if (status == 0)
+        status = mem_grow(&rows, &l->rows_cap, 0, n_own + 2, sizeof *l->rows);
+    l->rows = rows;
+    if (status != 0)
         return -1;
-    uint32_t *start = *rows;
+    uint32_t *start = l->rows;
+    memset(start, 0, (n_own + 2) * sizeof *start);
     for (size_t k = 0; k < n; k++)
         start[in[k].a + 2]++;
     for (size_t i = 0; i < n_own; i++)
         start[i + 2] += start[i + 1];
     for (size_t k = 0; k < n; k++)
-        (*out)[start[in[k].a + 1]++] = in[k];
+        l->sorted[start[in[k].a + 1]++] = in[k];
     return 0;
 }
 
@@ -271,15 +276,13 @@ enum dm2_status lists_build(struct lists *lists, const struct model *m, const st
                             bool initial, struct dm2_error *err)
 {
     struct builder b = begin(lists, m, p, initial);
-    struct carried_pair *sorted = NULL;
-    uint32_t *rows = NULL;
     bool all_pairs = m->config->search == SEARCH_LISTS;
     bool binned = m->config->search == SEARCH_CELLS_AND_LISTS && !m->has_far &&
                   bins_lay_out(&lists->bins, &m->grid, sqrt(b.near_reach2), p->n);
     enum dm2_status status = DM2_MEMORY;
     if ((binned && bins_assign(&lists->bins, p) != 0) ||
         list_reserve_rows(&lists->far, p->n_own) != 0 || list_reserve_rows(&lists->near, p->n_own) != 0 ||
-        sort_carried(carried, n_carried, p->n_own, &sorted, &rows) != 0)
+        sort_carried(lists, carried, n_carried, p->n_own) != 0)
         goto done;
     for (int own = 0; own < cells->n_own; own++) {
         for (uint32_t i = cells->start[own]; i < cells->start[own + 1]; i++) {
@@ -288,7 +291,7 @@ enum dm2_status lists_build(struct lists *lists, const struct model *m, const st
             if ((all_pairs ? row_from_all(&b, i)
                  : binned  ? row_from_bins(&b, i)
                            : row_from_cells(&b, cells, own, i)) != 0 ||
-                remember(&b, i, sorted + rows[i], rows[i + 1] - rows[i]) != 0)
+                remember(&b, i, lists->sorted + lists->rows[i], lists->rows[i + 1] - lists->rows[i]) != 0)
                 goto done;
             if (m->wide_far)
                 pad_row(&b);
@@ -309,8 +312,6 @@ enum dm2_status lists_build(struct lists *lists, const struct model *m, const st
                           p->id[b.close_a], p->id[b.close_b], p->r[2 * b.close_a], p->r[2 * b.close_a + 1],
                           m->config->bodies[p->body[b.close_a]].name, m->config->bodies[p->body[b.close_b]].name);
 done:
-    free(sorted);
-    free(rows);
     if (status == DM2_MEMORY)
         return dm2_fail(err, DM2_MEMORY, "no memory for the neighbour lists of %zu elements", p->n_own);
     return status;
@@ -326,11 +327,14 @@ void lists_free(struct lists *l)
     free(l->stretch);
     free(l->spring);
     bins_free(&l->bins);
+    free(l->sorted);
+    free(l->rows);
     *l = (struct lists){0};
 }
 
 size_t lists_bytes(const struct lists *l)
 {
     return (l->far.row_cap + l->far.cap + l->near.row_cap + l->near.cap) * sizeof(uint32_t) +
-           l->memory_cap * (1 + 2 * sizeof(double)) + bins_bytes(&l->bins);
+           l->memory_cap * (1 + 2 * sizeof(double)) + bins_bytes(&l->bins) +
+           l->sorted_cap * sizeof *l->sorted + l->rows_cap * sizeof *l->rows;
 }

@@ -18,8 +18,15 @@
 /* One half list: row i is entries start[i] .. start[i+1]-1. */
 struct half_list {
     uint32_t *start; /* [n_own + 1] */
-    uint32_t *j;     /* partner slot of each entry */
+    uint32_t *j;     /* partner of each entry: its slot in the near list, twice its slot (the component x) in the far list */
     size_t row_cap, cap;
+};
+
+/* Memory of pairs that survives a rebuild, by new slots a < b, a owned; sorted into rows by a. */
+struct carried_pair {
+    uint32_t a, b;
+    double stretch, spring;
+    bool linked;
 };
 
 struct lists {
@@ -29,13 +36,10 @@ struct lists {
     double *stretch, *spring;
     size_t memory_cap;
     struct bins bins; /* of the last build, where bins served it */
-};
-
-/* Memory of pairs that survives a rebuild, by new slots a < b, a owned; sorted into rows by a. */
-struct carried_pair {
-    uint32_t a, b;
-    double stretch, spring;
-    bool linked;
+    /* of a build: the carried pairs by row */
+    struct carried_pair *sorted;
+    uint32_t *rows;
+    size_t sorted_cap, rows_cap;
 };
 
 /* Builds both lists for the elements of p, which are in cell order. carried[0 .. n_carried) is given to the new
