@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include "dm2/base/status.h"
+#include "dm2/dist/auth.h"
 #include "dm2/dist/decomposition.h"
 #include "dm2/dist/hosts.h"
 #include "dm2/dist/report.h"
@@ -43,6 +44,7 @@ struct client_options {
     int64_t hash_every;    /* 0: never */
     struct client_echo *echo; /* measured before the run; NULL: nothing is */
     int cancel;            /* readable when the process is asked to end; -1: none */
+    const struct auth_key *key; /* to be proved to every server, and by it; NULL: none */
     struct client_events events;
 };
 
