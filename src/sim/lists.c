@@ -94,7 +94,7 @@ static void consider_near(struct builder *b, uint32_t i, uint32_t j, double r2)
     const struct particles *p = b->p;
     enum relation relation = relation_of(p->body[i], p->grain[i], p->body[j], p->grain[j]);
     const struct pair_law *law = model_law(b->m, p->kind[i], p->kind[j], relation);
-    double r0 = p->radius[i] + p->radius[j], reach = r0 + b->m->config->delta_r;
+    double r0 = p->radius[i] + p->radius[j], reach = r0 * b->m->growth + b->m->config->delta_r;
     if (b->initial && r2 < 0.25 * (r0 * r0) && !b->overlap) {
         b->overlap = true;
         b->close_a = i;

@@ -63,7 +63,7 @@ bool results_profile_due(const struct config *c, size_t which, int64_t step);
 /* Whether any of these is due, so that the step has to measure. */
 bool results_measure_due(const struct config *c, int64_t step);
 
-/* Appends the row of one step. The columns `total` = kinetic + potential + elastic + thermal - work is what
+/* Appends the row of one step. The column `total` = kinetic + potential + elastic + thermal + chemical + phase - work is what
  * an exact integration keeps constant; it is summed exactly before it is rounded. */
 enum dm2_status results_history(struct results *r, int64_t step, const struct measures *m,
                                 struct dm2_error *err);
