@@ -21,13 +21,13 @@
 
 /* --- what is written of each element -------------------------------------------------------------------- */
 
-enum number_type { TYPE_U16, TYPE_U32, TYPE_I64, TYPE_F64 };
+enum number_type { TYPE_U16, TYPE_U32, TYPE_I32, TYPE_I64, TYPE_F64 };
 
 static const struct {
     const char *vtk;
     size_t bytes;
     char xyz;
-} type_info[] = {{"UInt16", 2, 'I'}, {"UInt32", 4, 'I'}, {"Int64", 8, 'I'}, {"Float64", 8, 'R'}};
+} type_info[] = {{"UInt16", 2, 'I'}, {"UInt32", 4, 'I'}, {"Int32", 4, 'I'}, {"Int64", 8, 'I'}, {"Float64", 8, 'R'}};
 
 struct field {
     const char *name;
@@ -285,24 +285,34 @@ static void write_field(struct base64 *b, const struct field *f, const struct sn
     array_close(b);
 }
 
-static const struct field connectivity = {"connectivity", NULL, TYPE_I64, 1, {NULL, NULL, NULL}, NULL, NULL};
-static const struct field offsets = {"offsets", NULL, TYPE_I64, 1, {NULL, NULL, NULL}, NULL, NULL};
+static const struct field connectivity[] = {{"connectivity", NULL, TYPE_I32, 1, {NULL, NULL, NULL}, NULL, NULL},
+                                            {"connectivity", NULL, TYPE_I64, 1, {NULL, NULL, NULL}, NULL, NULL}};
+static const struct field offsets[] = {{"offsets", NULL, TYPE_I32, 1, {NULL, NULL, NULL}, NULL, NULL},
+                                       {"offsets", NULL, TYPE_I64, 1, {NULL, NULL, NULL}, NULL, NULL}};
+
+/* Cells are a third of the file, so their numbers are 32 bits wide where they fit. */
+static bool is_long(size_t largest)
+{
+    return largest > INT32_MAX;
+}
 
 /* Offsets of n cells with `points` points each. */
 static void write_offsets(struct base64 *b, size_t n, size_t points)
 {
-    array_open(b, &offsets, n);
+    const struct field *f = &offsets[is_long(n * points)];
+    array_open(b, f, n);
     for (size_t i = 1; i <= n; i++)
-        base64_put(b, (uint64_t)(i * points), 8);
+        base64_put(b, (uint64_t)(i * points), type_info[f->type].bytes);
     array_close(b);
 }
 
 static void write_vertices(struct base64 *b, size_t n)
 {
     file_puts(b->file, "      <Verts>\n");
-    array_open(b, &connectivity, n);
+    const struct field *f = &connectivity[is_long(n)];
+    array_open(b, f, n);
     for (size_t i = 0; i < n; i++)
-        base64_put(b, (uint64_t)i, 8);
+        base64_put(b, (uint64_t)i, type_info[f->type].bytes);
     array_close(b);
     write_offsets(b, n, 1);
     file_puts(b->file, "      </Verts>\n");
@@ -327,12 +337,13 @@ static bool is_line(const struct snapshot *s, const struct pair_record *pair, si
 static void write_lines(struct base64 *b, const struct snapshot *s, size_t n_lines)
 {
     size_t end[2];
+    const struct field *f = &connectivity[is_long(s->n_elements)];
     file_puts(b->file, "      <Lines>\n");
-    array_open(b, &connectivity, 2 * n_lines);
+    array_open(b, f, 2 * n_lines);
     for (size_t p = 0; p < s->n_pairs; p++) {
         if (is_line(s, &s->pairs[p], end)) {
-            base64_put(b, end[0], 8);
-            base64_put(b, end[1], 8);
+            base64_put(b, end[0], type_info[f->type].bytes);
+            base64_put(b, end[1], type_info[f->type].bytes);
         }
     }
     array_close(b);

@@ -401,7 +401,78 @@ TEST(sheet_in_tension)
     engine_stop(&g);
 }
 
+/* --- other frames ------------------------------------------------------------------------------------------------- */
+
+/* Two blocks of one metal and a loose disc collide off centre, with all of mechanics at work. */
+static const char frame_deck[] =
+    "let d = 0.04; let shift = 0; let sign = 1\n"
+    "domain { origin = -2 -2; size = 4 4; r_c = 1.2*d; delta_r = 0.2*d }\n"
+    "time { dt = 0.02; steps = 1 }\n"
+    "material Cu { rho0 = 8.93; c0 = 0.394; s = 1.489; shear = 0.477; yield = 0.0012; tensile = 0.015; tm = 1356\n"
+    "              cp = 3.83e-6; kappa = 4.01e-11 }\n"
+    "interaction { potential = morse; zeta = 0.1; ct_ratio = 0.03; mu = 0.3 }\n"
+    "body one { shape = rectangle -0.5 -0.15 -0.05 0.15; spacing = d; origin = -0.4 0.01; material = Cu\n"
+    "           velocity = 0.03 0.004 }\n"
+    "body two { shape = rectangle 0.05 -0.3 0.4 0.1; spacing = d; angle = 17 deg; origin = 0.2 0; material = Cu\n"
+    "           velocity = -0.02 0 }\n";
+
+static void in_frame(struct engine_state *s, double mirror, const double shift[2], const double boost[2], double t)
+{
+    for (size_t i = 0; i < s->n; i++) {
+        for (int a = 0; a < 2; a++) {
+            double sign = a == 0 ? mirror : 1.0;
+            s->e[i].r[a] = sign * s->e[i].r[a] + shift[a] + boost[a] * t;
+            s->e[i].v[a] = sign * s->e[i].v[a] + boost[a];
+        }
+        s->e[i].w *= mirror;
+    }
+    for (size_t p = 0; p < s->n_pairs; p++)
+        s->pair[p].spring *= mirror;
+}
+
+static void frames_agree(double mirror, double shift_x, double boost_x, double boost_y, const char *what)
+{
+    struct engine g;
+    const double shift[2] = {shift_x, 0.0}, boost[2] = {boost_x, boost_y};
+    int steps = 300;
+    engine_start(&g, frame_deck, NULL, 1);
+    struct engine_state start = engine_collect(&g, false), still, moving;
+    engine_run(&g, steps);
+    still = engine_collect(&g, false);
+    in_frame(&start, mirror, shift, boost, 0.0);
+    engine_restore(&g, 0, &start);
+    engine_run(&g, steps);
+    moving = engine_collect(&g, false);
+    in_frame(&still, mirror, shift, boost, steps * g.deck.config.dt);
+    double worst_r = 0.0, worst_v = 0.0;
+    for (size_t i = 0; i < still.n; i++) {
+        for (int a = 0; a < 2; a++) {
+            worst_r = fmax(worst_r, fabs(still.e[i].r[a] - moving.e[i].r[a]));
+            worst_v = fmax(worst_v, fabs(still.e[i].v[a] - moving.e[i].v[a]));
+        }
+    }
+    size_t links = 0;
+    for (size_t p = 0; p < still.n_pairs; p++)
+        links += still.pair[p].linked;
+    printf("%s: positions off by %.2g cm, velocities by %.2g cm/us; %zu links of %zu\n", what, worst_r, worst_v, links,
+           start.n_pairs);
+    CHECK(worst_r < 1e-11 && worst_v < 1e-11);
+    CHECK_EQ_INT(moving.n_pairs, still.n_pairs);
+    CHECK(links < start.n_pairs);
+    engine_state_free(&start);
+    engine_state_free(&still);
+    engine_state_free(&moving);
+    engine_stop(&g);
+}
+
+TEST(moving_and_mirrored_frames)
+{
+    frames_agree(1.0, 0.0, 0.05, -0.02, "moving frame");
+    frames_agree(1.0, 0.337, 0.0, 0.0, "shifted");
+    frames_agree(-1.0, 0.0, 0.0, 0.0, "mirrored");
+}
+
 TEST_MAIN(CASE(oblique_collision_against_a_thousandth_of_the_step), CASE(rigid_disc_limits_of_a_collision),
           CASE(sliding_block_stops_where_friction_says), CASE(stress_of_a_strained_lattice_is_the_applied_one),
           CASE(sheet_in_shear),
-          CASE(sheet_in_tension))
+          CASE(sheet_in_tension), CASE(moving_and_mirrored_frames))
