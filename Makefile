@@ -53,7 +53,7 @@ TESTS    := $(TEST_SRC:tests/unit/%.c=$(BUILD)/tests/%)
 TOOL_SRC := $(wildcard tests/tools/*.c)
 TOOLS    := $(TOOL_SRC:tests/tools/%.c=$(BUILD)/tools/%)
 
-.PHONY: all tests test bench demo install uninstall clean help FORCE
+.PHONY: all tests test figures bench demo install uninstall clean help FORCE
 .SUFFIXES:
 .SECONDARY:
 
@@ -64,6 +64,9 @@ tests: $(TESTS) $(TOOLS)
 test: all tests
 	$(Q)CC='$(CC)' DM2_BIN=$(abspath $(BIN)) DM2_BUILD=$(abspath $(BUILD)) FLAVOUR=$(FLAVOUR) \
 		sh tests/run.sh $(TESTFLAGS)
+
+figures: all
+	$(Q)DM2_BIN=$(BIN) sh scripts/figures.sh $(FIGURES)
 
 demo: all
 	$(Q)DM2_BIN=$(BIN) DM2_BUILD=build sh scripts/demo.sh
@@ -118,6 +121,7 @@ help:
 	@echo 'make test          every test; TESTFLAGS="-L unit" or "-R regex" picks some'
 	@echo 'make demo          the plate impact on 4 local servers, with its picture'
 	@echo 'make bench         speed per core, beside LAMMPS where it is installed; BENCHFLAGS="3 lj"'
+	@echo 'make figures       the figures of the timing study; FIGURES=measure measures first'
 	@echo 'make install       into PREFIX (/usr/local), below DESTDIR; make uninstall'
 	@echo 'make clean         removes build/ and bin/'
 	@echo 'FLAVOUR=release|debug|asan|tsan   CC=gcc|clang   CFLAGS=...   V=1'
