@@ -6,7 +6,9 @@
 #include <string.h>
 
 #include "dm2/app/local_servers.h"
+#include "dm2/app/network.h"
 #include "dm2/app/options.h"
+#include "dm2/app/prediction.h"
 #include "dm2/app/progress.h"
 #include "dm2/app/run.h"
 #include "dm2/app/signals.h"
@@ -19,18 +21,20 @@
 
 static const char PROGRAM[] = "dm2-client";
 
-enum { LOCAL_MOST = 1024 };
+enum { LOCAL_MOST = 1024, PROBE_TURNS = 15 };
 
 struct client_command {
     struct run_options run;
     int64_t local; /* -n; 0: not given */
     struct option_list servers;
-    const char *hosts, *balance, *key_file;
+    const char *hosts, *balance, *key_file, *calibration_file;
     struct auth_key key;
     bool send_deck;
     double timeout;
     const char *argv0;
     int cancel;
+    char calibration_path[PREDICTION_TEXT]; /* empty: the run is predicted from itself */
+    struct calibration calibration;
 };
 
 /* What the events of a run need. */
@@ -42,7 +46,7 @@ struct display {
 
 static enum dm2_status parse(struct client_command *c, int argc, char **argv, struct dm2_error *err)
 {
-    enum { OWN = 7 };
+    enum { OWN = 8 };
     *c = (struct client_command){.timeout = 60, .argv0 = argv[0], .cancel = -1};
     struct option table[OWN + RUN_OPTIONS] = {
         {"local", 'n', OPTION_INTEGER, &c->local, "N", "starts N servers on this machine for this run", 1,
@@ -54,6 +58,8 @@ static enum dm2_status parse(struct client_command *c, int argc, char **argv, st
          "proves this key to the servers, and wants them to prove it", 0, 0},
         {"balance", 0, OPTION_TEXT, &c->balance, "WHAT",
          "cuts by space or particles (default: as the deck says)", 0, 0},
+        {"calibration", 0, OPTION_TEXT, &c->calibration_file, "FILE",
+         "predicts with these constants (default $DM2_CALIBRATION, ./dm2-calibration.csv)", 0, 0},
         {"send-deck", 0, OPTION_FLAG, &c->send_deck, NULL, "sends the deck even where servers have a copy", 0,
          0},
         {"timeout", 0, OPTION_SECONDS, &c->timeout, "S",
@@ -141,13 +147,16 @@ static void print_summary(const struct client_command *c, const struct run_repor
     (void)printf("%lld steps of %zu elements on %d server%s in %.3f s: %.4g element-steps/s\n",
                  (long long)r->steps, r->elements, r->ranks, r->ranks == 1 ? "" : "s", r->total,
                  report_rate(r));
+    if (r->prediction != NULL)
+        (void)fputs(r->prediction, stdout);
     (void)printf("results in %s\n", directory);
 }
 
 /* The run itself, with servers that are up. */
 static enum dm2_status run_on(const struct client_command *c, const struct run *run,
                               const struct decomposition *d, const struct endpoints *servers, bool send_deck,
-                              struct results *results, struct run_report *report, struct dm2_error *err)
+                              struct results *results, struct network_probe *probe, struct run_report *report,
+                              struct dm2_error *err)
 {
     struct display display = {.servers = servers, .quiet = c->run.quiet};
     const struct client_options options = {
@@ -158,6 +167,7 @@ static enum dm2_status run_on(const struct client_command *c, const struct run *
         .send_deck = send_deck,
         .hash_every = c->run.hash_every,
         .cancel = c->cancel,
+        .echo = c->calibration_path[0] == '\0' ? network_probe_echo(probe) : NULL,
         .key = c->key_file != NULL ? &c->key : NULL,
         .events = {.context = &display, .step = show_step, .hash = show_hash, .note = show_note}};
     const struct client_job job = {.source = &run->source,
@@ -171,6 +181,29 @@ static enum dm2_status run_on(const struct client_command *c, const struct run *
     return status;
 }
 
+/* What the model says about the run that has ended; empty where no step was timed. */
+static enum dm2_status predict_run(const struct client_command *c, const struct network_probe *probe, bool local,
+                                   struct run_report *report, char text[PREDICTION_TEXT], struct dm2_error *err)
+{
+    int cores = local_servers_cores(), processors = local && cores < report->ranks ? cores : report->ranks;
+    struct prediction_basis basis;
+    struct explanation e;
+    struct network_line line;
+    enum dm2_status status = DM2_OK;
+    if (c->calibration_path[0] != '\0') {
+        prediction_calibrated(&c->calibration, c->calibration_path, report, processors, &basis);
+    } else {
+        status = network_fit(probe, report->ranks, &line, err);
+        if (status == DM2_OK)
+            prediction_estimated(&line, report, processors, &basis);
+    }
+    if (status == DM2_OK && prediction_explain(report, &basis, &e)) {
+        prediction_text(&e, &basis, report, text);
+        report->prediction = text;
+    }
+    return status;
+}
+
 /* From the run directory to its last file. */
 static enum dm2_status run_all(const struct client_command *c, const struct run *run,
                                const struct decomposition *d, struct endpoints *servers,
@@ -179,13 +212,19 @@ static enum dm2_status run_all(const struct client_command *c, const struct run 
     struct results *results = NULL;
     struct run_report report = {0};
     struct local_servers local = {0};
-    bool send_deck = c->send_deck || servers->n == 0;
+    struct network_probe probe = {0};
+    char prediction[PREDICTION_TEXT];
+    bool start = servers->n == 0, send_deck = c->send_deck || start;
     enum dm2_status status = run_open_results(&c->run, run, &results, err);
-    if (status == DM2_OK && servers->n == 0)
+    if (status == DM2_OK)
+        status = network_probe_start(&probe, true, PROBE_TURNS, err);
+    if (status == DM2_OK && start)
         status = local_servers_start(c->argv0, d->ranks, c->run.verbose, c->cancel, &local, servers, err);
     if (status == DM2_OK)
-        status = run_on(c, run, d, servers, send_deck, results, &report, err);
+        status = run_on(c, run, d, servers, send_deck, results, &probe, &report, err);
     local_servers_stop(&local);
+    if (status == DM2_OK)
+        status = predict_run(c, &probe, start, &report, prediction, err);
     if (status == DM2_OK)
         status = report_write(&report, results, err);
     if (status != DM2_OK) {
@@ -197,6 +236,7 @@ static enum dm2_status run_all(const struct client_command *c, const struct run 
         if (status == DM2_OK)
             print_summary(c, &report, directory);
     }
+    network_probe_free(&probe);
     free(report.servers);
     return status;
 }
@@ -240,6 +280,16 @@ static int choose_ranks(const struct client_command *c, const struct run *run,
     return n;
 }
 
+static enum dm2_status find_calibration(struct client_command *c, struct dm2_error *err)
+{
+    char note[PREDICTION_TEXT];
+    enum dm2_status status =
+        prediction_calibration(c->calibration_file, &c->calibration, c->calibration_path, note, err);
+    if (status == DM2_OK && note[0] != '\0' && !c->run.quiet)
+        (void)fprintf(stderr, "%s: %s\n", PROGRAM, note);
+    return status;
+}
+
 static enum dm2_status work(struct client_command *c, struct dm2_error *err)
 {
     struct endpoints servers = {0};
@@ -248,6 +298,8 @@ static enum dm2_status work(struct client_command *c, struct dm2_error *err)
     enum dm2_status status = named_servers(c, &servers, err);
     if (status == DM2_OK && c->key_file != NULL)
         status = auth_key_read(c->key_file, &c->key, err);
+    if (status == DM2_OK && !c->run.check)
+        status = find_calibration(c, err);
     if (status == DM2_OK)
         status = run_load(&c->run, &run, err);
     if (status == DM2_OK)

@@ -425,6 +425,42 @@ static enum dm2_status shake_hands(struct client *c, struct dm2_error *err)
     return gather(c, MESSAGE_WELCOME, LIMIT_HELLO, take_welcome, true, err);
 }
 
+static enum dm2_status take_echo(struct client *c, int rank, struct bytes_reader *r, struct dm2_error *err)
+{
+    if (bytes_remaining(r) == c->out.length && memcmp(r->data + r->at, c->out.data, c->out.length) == 0)
+        return DM2_OK;
+    return peer_failed(c, rank, DM2_PROTOCOL, "it did not send the same bytes back", err);
+}
+
+/* One message of n bytes to every server, and back from every one. */
+static enum dm2_status echo_once(struct client *c, uint32_t n, double *seconds, struct dm2_error *err)
+{
+    bytes_clear(&c->out);
+    for (uint32_t k = 0; k < n; k++)
+        bytes_put_u8(&c->out, (uint8_t)(k * 31));
+    enum dm2_status status = DM2_OK;
+    double start = clock_now();
+    for (int k = 0; k < c->ranks && status == DM2_OK; k++)
+        status = send_out(c, k, MESSAGE_ECHO, err);
+    if (status == DM2_OK)
+        status = gather(c, MESSAGE_ECHO, LIMIT_DECK, take_echo, false, err);
+    *seconds = clock_now() - start;
+    return status;
+}
+
+static enum dm2_status echo_all(struct client *c, struct client_echo *e, struct dm2_error *err)
+{
+    enum dm2_status status = DM2_OK;
+    double start = clock_now();
+    for (e->done = 0; e->done < e->repeats && status == DM2_OK; e->done++) {
+        if (e->done >= 2 && clock_now() - start > e->budget)
+            break;
+        for (int k = 0; k < e->sizes && status == DM2_OK; k++)
+            status = echo_once(c, e->bytes[k], &e->seconds[e->done * e->sizes + k], err);
+    }
+    return status;
+}
+
 static enum dm2_status take_deck_answer(struct client *c, int rank, struct bytes_reader *r,
                                         struct dm2_error *err)
 {
@@ -806,22 +842,34 @@ static void close_profiles(struct client *c)
     free(c->profiles);
 }
 
+/* What connections need. */
+static enum dm2_status open_peers(struct client *c, struct dm2_error *err)
+{
+    size_t n = (size_t)c->ranks;
+    c->peers = mem_zalloc(n, sizeof *c->peers);
+    c->polls = mem_zalloc(n + 1, sizeof *c->polls);
+    c->polled = mem_zalloc(n, sizeof *c->polled);
+    if (c->peers == NULL || c->polls == NULL || c->polled == NULL)
+        return dm2_fail(err, DM2_MEMORY, "no memory for %d servers", c->ranks);
+    return DM2_OK;
+}
+
+/* What a run needs beside them. */
 static enum dm2_status open_client(struct client *c, struct dm2_error *err)
 {
     size_t n = (size_t)c->ranks;
     struct wire_limits limits = wire_limits_of(c->job->model);
-    c->peers = mem_zalloc(n, sizeof *c->peers);
-    c->polls = mem_zalloc(n + 1, sizeof *c->polls);
-    c->polled = mem_zalloc(n, sizeof *c->polled);
+    enum dm2_status status = open_peers(c, err);
+    if (status != DM2_OK)
+        return status;
     c->sources = mem_zalloc(n, sizeof *c->sources);
     c->report.servers = mem_zalloc(n, sizeof *c->report.servers);
-    if (c->peers == NULL || c->polls == NULL || c->polled == NULL || c->sources == NULL ||
-        c->report.servers == NULL)
+    if (c->sources == NULL || c->report.servers == NULL)
         return dm2_fail(err, DM2_MEMORY, "no memory for %d servers", c->ranks);
     state_merge_open(&c->snapshot.merge, limits);
     state_merge_open(&c->final.merge, limits);
     rebuild_plan_start(&c->plan, c->job->config);
-    enum dm2_status status = open_profiles(c, err);
+    status = open_profiles(c, err);
     return status != DM2_OK ? status : relay_open(&c->relay, c->ranks, err);
 }
 
@@ -865,6 +913,8 @@ enum dm2_status client_run(const struct client_job *job, const struct client_opt
         status = connect_all(&c, &why);
     if (status == DM2_OK)
         status = shake_hands(&c, &why);
+    if (status == DM2_OK && options->echo != NULL)
+        status = echo_all(&c, options->echo, &why);
     if (status == DM2_OK)
         status = share_deck(&c, &why);
     if (status == DM2_OK)
@@ -889,4 +939,22 @@ enum dm2_status client_run(const struct client_job *job, const struct client_opt
     c.report.total = clock_now() - start;
     *report = c.report;
     return DM2_OK;
+}
+
+enum dm2_status client_measure_network(const struct client_options *options, int ranks, struct dm2_error *err)
+{
+    struct client c = {.options = options, .ranks = ranks, .at = -1};
+    struct dm2_error why = {0};
+    enum dm2_status status = open_peers(&c, &why);
+    if (status == DM2_OK)
+        status = connect_all(&c, &why);
+    if (status == DM2_OK)
+        status = shake_hands(&c, &why);
+    if (status == DM2_OK)
+        status = echo_all(&c, options->echo, &why);
+    bytes_clear(&c.out);
+    for (int k = 0; k < ranks && status == DM2_OK; k++) /* an empty one: that was all */
+        status = send_out(&c, k, MESSAGE_ECHO, &why);
+    close_client(&c, status, &why);
+    return status == DM2_OK ? DM2_OK : dm2_fail(err, status, "%s", why.text);
 }

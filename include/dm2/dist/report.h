@@ -31,6 +31,7 @@ struct run_report {
     size_t update_bytes;       /* g: bytes per boundary element of an update */
     int ranks;
     struct server_report *servers; /* ranks of them */
+    const char *prediction;        /* lines of text about it for run.log; NULL: none */
 };
 
 /* Element-steps per second of the time steps alone; 0 where nothing was timed. */
