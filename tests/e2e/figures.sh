@@ -10,4 +10,4 @@ for figure in 03-paper 13-paper 14-paper 15-paper 16-paper 17-paper 03-here 04-h
 done
 expect_text docs/figures/fig-13-here.svg 'stroke-dasharray'
 expect_text docs/figures/fig-14-paper.svg '>speedup-8<'
-expect_text docs/figures/fig-17-paper.svg '>processors-x10<'
+expect_text docs/figures/fig-17-paper.svg '>speedup-processors-x10<'
