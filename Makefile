@@ -101,12 +101,14 @@ $(BUILD)/fuzz/replay_%: $(BUILD)/tests/fuzz/%.o $(BUILD)/tests/fuzz/replay.o $(B
 	$(Q)mkdir -p $(@D)
 	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) -o $@ $^ $(LDLIBS)
 
-# The targets as libFuzzer programs, where clang has it: build/libfuzzer/fuzz_NAME [its options] a copy of tests/fuzz/corpus/NAME
+# The targets as libFuzzer programs, where clang has it: build/libfuzzer/fuzz_NAME [option...] DIRECTORY
 fuzz:
-	$(Q)mkdir -p build/libfuzzer
-	$(Q)for f in $(FUZZ_SRC); do echo "  FUZZ $$f"; \
-		clang $(DM2_CFLAGS) -O1 -g -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all $(EXACT) \
-			-MF build/libfuzzer/d -o build/libfuzzer/$$(basename $$f .c) $$f $(LIB_SRC) -lm || exit 1; done
+	$(Q)$(MAKE) CC=clang BUILD=build/libfuzzer BIN=build/libfuzzer/bin LDSAN=-fsanitize=fuzzer \
+		CFLAGS='-O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all' \
+		$(FUZZ_SRC:tests/fuzz/%.c=build/libfuzzer/%)
+
+$(BUILD)/fuzz_%: $(BUILD)/tests/fuzz/fuzz_%.o $(BUILD)/libdm2.a
+	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) -o $@ $^ $(LDLIBS)
 
 $(BUILD)/tests/unit/%.o: DM2_CFLAGS += -Itests/unit
 
