@@ -53,7 +53,7 @@ TESTS    := $(TEST_SRC:tests/unit/%.c=$(BUILD)/tests/%)
 TOOL_SRC := $(wildcard tests/tools/*.c)
 TOOLS    := $(TOOL_SRC:tests/tools/%.c=$(BUILD)/tools/%)
 
-.PHONY: all tests test demo install uninstall clean help FORCE
+.PHONY: all tests test bench demo install uninstall clean help FORCE
 .SUFFIXES:
 .SECONDARY:
 
@@ -98,6 +98,9 @@ $(BUILD)/tests/unit/%.o: DM2_CFLAGS += -Itests/unit
 
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
 
+bench: all
+	$(Q)DM2_BIN=$(abspath $(BIN)) sh scripts/bench.sh $(BENCHFLAGS)
+
 install: all
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/share/dm2/input
 	install -m 755 $(PROGRAMS) $(DESTDIR)$(PREFIX)/bin
@@ -114,6 +117,7 @@ help:
 	@echo 'make               the programs, into bin/'
 	@echo 'make test          every test; TESTFLAGS="-L unit" or "-R regex" picks some'
 	@echo 'make demo          the plate impact on 4 local servers, with its picture'
+	@echo 'make bench         speed per core, beside LAMMPS where it is installed; BENCHFLAGS="3 lj"'
 	@echo 'make install       into PREFIX (/usr/local), below DESTDIR; make uninstall'
 	@echo 'make clean         removes build/ and bin/'
 	@echo 'FLAVOUR=release|debug|asan|tsan   CC=gcc|clang   CFLAGS=...   V=1'

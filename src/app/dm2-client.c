@@ -12,6 +12,7 @@
 #include "dm2/app/signals.h"
 #include "dm2/base/mem.h"
 #include "dm2/base/version.h"
+#include "dm2/dist/auth.h"
 #include "dm2/dist/client.h"
 #include "dm2/dist/hosts.h"
 #include "dm2/dist/report.h"
@@ -24,7 +25,8 @@ struct client_command {
     struct run_options run;
     int64_t local; /* -n; 0: not given */
     struct option_list servers;
-    const char *hosts, *balance;
+    const char *hosts, *balance, *key_file;
+    struct auth_key key;
     bool send_deck;
     double timeout;
     const char *argv0;
@@ -40,7 +42,7 @@ struct display {
 
 static enum dm2_status parse(struct client_command *c, int argc, char **argv, struct dm2_error *err)
 {
-    enum { OWN = 6 };
+    enum { OWN = 7 };
     *c = (struct client_command){.timeout = 60, .argv0 = argv[0], .cancel = -1};
     struct option table[OWN + RUN_OPTIONS] = {
         {"local", 'n', OPTION_INTEGER, &c->local, "N", "starts N servers on this machine for this run", 1,
@@ -48,6 +50,8 @@ static enum dm2_status parse(struct client_command *c, int argc, char **argv, st
         {"hosts", 0, OPTION_TEXT, &c->hosts, "FILE",
          "uses the servers of a hosts file: host[:port] [slots=K]", 0, 0},
         {"server", 0, OPTION_LIST, &c->servers, "HOST[:PORT]", "uses this server; may be repeated", 0, 0},
+        {"key", 0, OPTION_TEXT, &c->key_file, "FILE",
+         "proves this key to the servers, and wants them to prove it", 0, 0},
         {"balance", 0, OPTION_TEXT, &c->balance, "WHAT",
          "cuts by space or particles (default: as the deck says)", 0, 0},
         {"send-deck", 0, OPTION_FLAG, &c->send_deck, NULL, "sends the deck even where servers have a copy", 0,
@@ -68,6 +72,9 @@ static enum dm2_status parse(struct client_command *c, int argc, char **argv, st
     if (status == DM2_OK && c->local > 0 && (c->hosts != NULL || c->servers.n > 0))
         status =
             dm2_fail(err, DM2_USAGE, "-n starts servers itself: it does not go with --hosts or --server");
+    if (status == DM2_OK && c->key_file != NULL && c->hosts == NULL && c->servers.n == 0)
+        status = dm2_fail(err, DM2_USAGE, "--key is for servers of --hosts or --server: those that this program starts "
+                                          "itself need none");
     if (status == DM2_OK && c->balance != NULL && strcmp(c->balance, "space") != 0 &&
         strcmp(c->balance, "particles") != 0)
         status = dm2_fail(err, DM2_USAGE, "--balance '%s': space or particles is expected", c->balance);
@@ -151,6 +158,7 @@ static enum dm2_status run_on(const struct client_command *c, const struct run *
         .send_deck = send_deck,
         .hash_every = c->run.hash_every,
         .cancel = c->cancel,
+        .key = c->key_file != NULL ? &c->key : NULL,
         .events = {.context = &display, .step = show_step, .hash = show_hash, .note = show_note}};
     const struct client_job job = {.source = &run->source,
                                    .config = &run->config,
@@ -238,6 +246,8 @@ static enum dm2_status work(struct client_command *c, struct dm2_error *err)
     struct run run = {0};
     struct decomposition d = {0};
     enum dm2_status status = named_servers(c, &servers, err);
+    if (status == DM2_OK && c->key_file != NULL)
+        status = auth_key_read(c->key_file, &c->key, err);
     if (status == DM2_OK)
         status = run_load(&c->run, &run, err);
     if (status == DM2_OK)

@@ -30,7 +30,7 @@ struct arguments {
     bool links;
     double range[2];
     /* chart */
-    const char *x, *y, *x_label, *y_label;
+    const char *x, *y, *by, *only, *x_label, *y_label;
     bool log_x, log_y, markers;
 };
 
@@ -131,6 +131,24 @@ static enum dm2_status snapshot_command(int argc, char **argv, struct dm2_error 
     return status;
 }
 
+/* A heading as a label: in its unit a u for micro becomes a \u00b5, digits become superscripts. Returns `out`. */
+static const char *typeset(const char *heading, char *out, size_t size)
+{
+    size_t n = 0;
+    bool unit = false;
+    for (const char *at = heading; *at != '\0' && n + 8 < size; at++) {
+        unit = at[0] == '[' || (unit && at[0] != ']');
+        if (unit && at[0] == 'u' && at[1] == 's' && strchr("[/ ", at[-1]) != NULL)
+            n += (size_t)snprintf(out + n, size - n, "\u00b5");
+        else if (unit && at[0] >= '2' && at[0] <= '9')
+            n += (size_t)snprintf(out + n, size - n, "^{%c}", at[0]);
+        else
+            out[n++] = at[0];
+    }
+    out[n] = '\0';
+    return out;
+}
+
 /* A chart's columns: the names in `list`, comma-separated, looked up one by one. */
 struct columns {
     double *x, *y[SERIES_MAX];
@@ -181,12 +199,96 @@ static const char *shared_unit(const struct columns *c, char names[SERIES_MAX][6
     return unit + 1;
 }
 
+/* One curve: the rows from `first` on, n of them, that have one value in the column of --by. */
+struct group {
+    size_t first, n;
+    double value;
+};
+
+/* Is the value in the comma-separated list? Every value is where there is no list. */
+static bool is_listed(const char *list, double value)
+{
+    for (const char *at = list; at != NULL; at = strchr(at, ',') == NULL ? NULL : strchr(at, ',') + 1) {
+        double one;
+        if (number_parse(at, strcspn(at, ","), &one) && fabs(one - value) <= 1e-9 * fabs(value))
+            return true;
+    }
+    return list == NULL;
+}
+
+/* Cuts the table where the column of --by changes. */
+static enum dm2_status find_groups(const struct csv *csv, const struct arguments *a, struct group groups[SERIES_MAX],
+                                   size_t *n, const char **heading, struct dm2_error *err)
+{
+    size_t column;
+    double *values;
+    enum dm2_status status = csv_column(csv, a->by, &column, err);
+    if (status == DM2_OK)
+        status = csv_numbers(csv, column, &values, err);
+    if (status != DM2_OK)
+        return status;
+    *heading = csv_heading(csv, column);
+    *n = 0;
+    for (size_t row = 0, next; row < csv->n_rows && status == DM2_OK; row = next) {
+        for (next = row + 1; next < csv->n_rows && values[next] == values[row];)
+            next++;
+        if (!is_listed(a->only, values[row]))
+            continue;
+        if (*n == SERIES_MAX)
+            status = dm2_fail(err, DM2_USAGE, "'%s' has more than %d values; choose some with --only", *heading,
+                              SERIES_MAX);
+        else
+            groups[(*n)++] = (struct group){row, next - row, values[row]};
+    }
+    free(values);
+    if (status == DM2_OK && *n == 0)
+        return dm2_fail(err, DM2_USAGE, "'%s' has none of the values %s", *heading, a->only == NULL ? "" : a->only);
+    return status;
+}
+
+/* "2.5 \u00b5s" of 2.5 in a column "time [us]"; "step 100" of one without a unit. */
+static void name_group(const char *heading, double value, char *out, size_t size)
+{
+    char text[200];
+    const char *unit = strchr(typeset(heading, text, sizeof text), '[');
+    if (unit == NULL)
+        (void)snprintf(out, size, "%.40s %.6g", heading, value);
+    else
+        (void)snprintf(out, size, "%.6g %.*s", value, (int)strcspn(unit + 1, "]"), unit + 1);
+}
+
+/* The curves of one column, one for each value of --by, dark to light. */
+static enum dm2_status split_curve(const struct csv *csv, const struct arguments *a, const struct columns *c,
+                                   struct chart_series series[SERIES_MAX], char names[SERIES_MAX][64], size_t *n,
+                                   struct dm2_error *err)
+{
+    struct group groups[SERIES_MAX];
+    const char *heading = "";
+    if (c->n > 1)
+        return dm2_fail(err, DM2_USAGE, "with --by, --y names one column");
+    enum dm2_status status = find_groups(csv, a, groups, n, &heading, err);
+    for (size_t i = 0; status == DM2_OK && i < *n; i++) {
+        name_group(heading, groups[i].value, names[i], sizeof names[i]);
+        series[i] = (struct chart_series){.name = names[i],
+                                          .x = c->x + groups[i].first,
+                                          .y = c->y[0] + groups[i].first,
+                                          .n = groups[i].n,
+                                          .colour = i,
+                                          .shade = *n > 1 ? (double)i / (double)(*n - 1) : 0,
+                                          .shaded = true,
+                                          .line = true,
+                                          .markers = a->markers};
+    }
+    return status;
+}
+
 static enum dm2_status draw_chart(const struct csv *csv, const struct arguments *a, char *list,
                                   const char *out, struct dm2_error *err)
 {
     struct columns c = {0};
     struct chart_series series[SERIES_MAX];
     char names[SERIES_MAX][64];
+    char across[256], upward[256];
     const char *unit = NULL;
     size_t x_column;
     enum dm2_status status = csv_column(csv, a->x, &x_column, err);
@@ -196,7 +298,10 @@ static enum dm2_status draw_chart(const struct csv *csv, const struct arguments 
         status = take_columns(csv, list, &c, err);
     if (status == DM2_OK && c.n > 1)
         unit = shared_unit(&c, names);
-    for (size_t i = 0; status == DM2_OK && i < c.n; i++)
+    size_t n_series = c.n;
+    if (status == DM2_OK && a->by != NULL)
+        status = split_curve(csv, a, &c, series, names, &n_series, err);
+    for (size_t i = 0; status == DM2_OK && a->by == NULL && i < c.n; i++)
         series[i] = (struct chart_series){.name = unit != NULL ? names[i] : c.heading[i],
                                           .x = c.x,
                                           .y = c.y[i],
@@ -207,16 +312,17 @@ static enum dm2_status draw_chart(const struct csv *csv, const struct arguments 
     if (status == DM2_OK) {
         const struct chart chart = {
             .title = a->title,
-            .x_label = a->x_label != NULL ? a->x_label : csv_heading(csv, x_column),
+            .x_label = a->x_label != NULL ? a->x_label : typeset(csv_heading(csv, x_column), across, sizeof across),
             .y_label = a->y_label != NULL ? a->y_label
-                       : c.n == 1         ? c.heading[0]
-                                          : unit,
+                       : c.n == 1         ? typeset(c.heading[0], upward, sizeof upward)
+                       : unit != NULL     ? typeset(unit, upward, sizeof upward)
+                                          : NULL,
             .log_x = a->log_x,
             .log_y = a->log_y,
             .width = (double)a->width,
             .height = 0.6 * (double)a->width,
             .series = series,
-            .n_series = c.n,
+            .n_series = n_series,
         };
         status = chart_write(out, &chart, err);
     }
@@ -231,6 +337,8 @@ static enum dm2_status chart_command(int argc, char **argv, struct dm2_error *er
         {"output", 'o', OPTION_TEXT, &a.out, "OUT.svg", "where to write; default FILE.svg here", 0, 0},
         {"x", 'x', OPTION_TEXT, &a.x, "COLUMN", "the column across; required", 0, 0},
         {"y", 'y', OPTION_TEXT, &a.y, "COLUMN,...", "the columns to draw; required", 0, 0},
+        {"by", 'b', OPTION_TEXT, &a.by, "COLUMN", "a curve for each value of this column, as in profiles", 0, 0},
+        {"only", 0, OPTION_TEXT, &a.only, "VALUE,...", "of these values alone", 0, 0},
         {"log-x", 0, OPTION_FLAG, &a.log_x, NULL, "a logarithmic scale across", 0, 0},
         {"log-y", 0, OPTION_FLAG, &a.log_y, NULL, "a logarithmic scale upwards", 0, 0},
         {"markers", 0, OPTION_FLAG, &a.markers, NULL, "mark the points", 0, 0},
@@ -252,6 +360,8 @@ static enum dm2_status chart_command(int argc, char **argv, struct dm2_error *er
     }
     if (a.x == NULL || a.y == NULL)
         return dm2_fail(err, DM2_USAGE, "--x and --y must name columns of the table");
+    if (a.only != NULL && a.by == NULL)
+        return dm2_fail(err, DM2_USAGE, "--only chooses values of a column that --by names");
     struct csv csv;
     status = csv_read(file, &csv, err);
     if (status != DM2_OK)

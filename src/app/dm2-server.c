@@ -4,32 +4,53 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <time.h>
 
 #include "dm2/app/options.h"
 #include "dm2/app/run.h"
 #include "dm2/app/signals.h"
 #include "dm2/base/version.h"
+#include "dm2/dist/auth.h"
 #include "dm2/dist/messages.h"
 #include "dm2/dist/server.h"
+#include "dm2/net/allow.h"
 #include "dm2/net/socket.h"
 
 static const char PROGRAM[] = "dm2-server";
 
 struct server_command {
     int64_t port;
-    const char *listen, *deck_dir;
+    const char *listen, *deck_dir, *key_file, *new_key;
+    struct option_list allow_texts;
+    struct auth_key key;
+    struct allow_list allow;
+    int64_t max_elements, max_steps; /* 0: any */
     double timeout;
     bool once, quiet, verbose, help, version;
 };
 
 static enum dm2_status parse(struct server_command *c, int argc, char **argv, struct dm2_error *err)
 {
-    *c = (struct server_command){.port = DEFAULT_PORT, .listen = "127.0.0.1", .deck_dir = ".", .timeout = 60};
+    *c = (struct server_command){.port = DEFAULT_PORT,
+                                 .listen = "127.0.0.1",
+                                 .deck_dir = ".",
+                                 .max_elements = 20000000,
+                                 .max_steps = 1000000000,
+                                 .timeout = 60};
     const struct option table[] = {
         {"port", 'p', OPTION_INTEGER, &c->port, "P", "port (default 4702); 0 picks a free one", 0,
          SOCKET_PORT_MAX},
         {"listen", 0, OPTION_TEXT, &c->listen, "ADDR", "address to listen on (default 127.0.0.1)", 0, 0},
+        {"key", 0, OPTION_TEXT, &c->key_file, "FILE",
+         "serves only clients that prove to have this key; needed off 127.0.0.1", 0, 0},
+        {"new-key", 0, OPTION_TEXT, &c->new_key, "FILE", "makes a key and stops", 0, 0},
+        {"allow", 0, OPTION_LIST, &c->allow_texts, "CIDR",
+         "serves only addresses of this network; may be repeated", 0, 0},
+        {"max-elements", 0, OPTION_INTEGER, &c->max_elements, "N",
+         "refuses decks with more elements (default 20000000; 0: any)", 0, INT64_MAX},
+        {"max-steps", 0, OPTION_INTEGER, &c->max_steps, "N",
+         "refuses decks with more time steps (default 1000000000; 0: any)", 0, INT64_MAX},
         {"deck-dir", 0, OPTION_TEXT, &c->deck_dir, "DIR", "where decks named by clients lie (default: here)",
          0, 0},
         {"once", 0, OPTION_FLAG, &c->once, NULL, "ends after one session, or when no client comes in time", 0,
@@ -69,25 +90,41 @@ static void log_line(void *context, enum server_event event, const char *peer, c
     (void)fflush(stderr);
 }
 
-/* Off this machine anybody could connect, and there is nothing yet by which to know a friend. */
-static enum dm2_status check_address(const char *address, struct dm2_error *err)
+/* Off this machine anybody could connect: there the key tells friends from strangers. */
+static enum dm2_status check_address(const struct server_command *c, struct dm2_error *err)
 {
     int loopback = 0;
-    enum dm2_status status = socket_is_loopback(address, &loopback, err);
-    if (status != DM2_OK || loopback)
+    enum dm2_status status = socket_is_loopback(c->listen, &loopback, err);
+    if (status != DM2_OK || loopback || c->key_file != NULL)
         return status;
-    return dm2_fail(
-        err, DM2_USAGE,
-        "--listen %s: a server that can be reached from other machines would serve anybody; listen "
-        "on 127.0.0.1 and reach it through a tunnel: ssh -L PORT:127.0.0.1:PORT HOST",
-        address);
+    return dm2_fail(err, DM2_USAGE,
+                    "--listen %s: a server that can be reached from other machines needs a key: dm2-server --new-key "
+                    "FILE makes one, --key FILE uses it, here and with dm2-client",
+                    c->listen);
+}
+
+static enum dm2_status read_secrets(struct server_command *c, struct dm2_error *err)
+{
+    enum dm2_status status = c->key_file != NULL ? auth_key_read(c->key_file, &c->key, err) : DM2_OK;
+    for (size_t k = 0; k < c->allow_texts.n && status == DM2_OK; k++)
+        status = allow_add(&c->allow, c->allow_texts.items[k], err);
+    return status;
+}
+
+/* What a server has in memory, decks and keys, is not left in a file where it crashed. */
+static void leave_no_core(void)
+{
+    const struct rlimit none = {0, 0};
+    (void)setrlimit(RLIMIT_CORE, &none);
 }
 
 static enum dm2_status serve(struct server_command *c, int cancel, struct dm2_error *err)
 {
     int listener = -1;
     char bound[SOCKET_NAME];
-    enum dm2_status status = check_address(c->listen, err);
+    enum dm2_status status = check_address(c, err);
+    if (status == DM2_OK)
+        status = read_secrets(c, err);
     if (status == DM2_OK)
         status = socket_listen(c->listen, (int)c->port, &listener, bound, err);
     if (status != DM2_OK)
@@ -96,7 +133,11 @@ static enum dm2_status serve(struct server_command *c, int cancel, struct dm2_er
                                            .version = DM2_VERSION,
                                            .handshake = 10,
                                            .timeout = c->timeout,
-                                           .cancel = cancel};
+                                           .cancel = cancel,
+                                           .key = c->key_file != NULL ? &c->key : NULL,
+                                           .allow = &c->allow,
+                                           .max_elements = (uint64_t)c->max_elements,
+                                           .max_steps = c->max_steps};
     (void)printf("%s: listening on %s\n", PROGRAM, bound);
     (void)fflush(stdout);
     status = server_serve(listener, &options, c->once, log_line, c, err);
@@ -115,8 +156,14 @@ int main(int argc, char **argv)
         run_print_version(PROGRAM);
         return 0;
     }
+    leave_no_core();
+    if (status == DM2_OK && c.new_key != NULL) {
+        status = auth_key_create(c.new_key, &err);
+        return status == DM2_OK ? 0 : run_report_failure(PROGRAM, &err);
+    }
     if (status == DM2_OK)
         status = serve(&c, signals_catch(), &err);
+    option_list_free(&c.allow_texts);
     if (status == DM2_OK || (status == DM2_INTERRUPTED && signals_caught() != 0))
         return 0; /* asked to end, and ended */
     if (c.once && c.quiet && status != DM2_USAGE)

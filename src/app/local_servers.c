@@ -42,7 +42,8 @@ static char *server_path(const char *argv0)
 static void become_server(char *path, int out, bool verbose)
 {
     char port[] = "--port", zero[] = "0", once[] = "--once", quiet[] = "--quiet";
-    char *arguments[] = {path, port, zero, once, verbose ? NULL : quiet, NULL};
+    char elements[] = "--max-elements", steps[] = "--max-steps"; /* its user limits himself */
+    char *arguments[] = {path, port, zero, once, elements, zero, steps, zero, verbose ? NULL : quiet, NULL};
     int null = open("/dev/null", O_RDONLY);
     (void)setpgid(0, 0);
     if (null >= 0 && dup2(null, STDIN_FILENO) >= 0 && dup2(out, STDOUT_FILENO) >= 0)

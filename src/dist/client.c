@@ -22,6 +22,7 @@
 
 #include "dm2/base/clock.h"
 #include "dm2/base/fingerprint.h"
+#include "dm2/base/hmac.h"
 #include "dm2/base/mem.h"
 #include "dm2/dist/messages.h"
 #include "dm2/dist/relay.h"
@@ -40,6 +41,8 @@ struct peer {
     bool open;
     bool awaited;   /* an answer is due */
     uint8_t answer; /* ANSWER: loaded or not */
+    struct auth_nonces nonces;
+    bool challenged;
     struct ready_message ready;
     struct step_message step;
     struct relay_source segments; /* of the last STEP message, in the channel's buffer */
@@ -115,6 +118,12 @@ static enum dm2_status peer_error(const struct client *c, int rank, struct bytes
     struct error_message m;
     char text[600];
     message_get_error(&r, &m);
+    if (!r.failed && strcmp(m.text, REFUSAL_TEXT) == 0)
+        return peer_failed(c, rank, DM2_PROTOCOL,
+                           c->options->key == NULL
+                               ? "it refuses the connection: it wants a key (--key FILE), or does not admit this machine"
+                               : "it refuses the connection: it has another key, or does not admit this machine",
+                           err);
     (void)snprintf(text, sizeof text, "ended the session: %.560s",
                    r.failed ? "its reason does not decode" : m.text);
     /* a server that was asked to end could not be used; one that found the deck wrong found the deck wrong */
@@ -167,6 +176,22 @@ static enum dm2_status take_state(struct client *c, int rank, struct bytes_reade
     return status == DM2_OK ? DM2_OK : peer_failed(c, rank, status, why.text, err);
 }
 
+/* The server is told that this client has the key. */
+static enum dm2_status answer_challenge(struct client *c, int rank, struct bytes_reader *r, struct dm2_error *err)
+{
+    struct peer *p = &c->peers[rank];
+    struct dm2_error why = {0};
+    unsigned char code[AUTH_CODE];
+    const unsigned char *nonce = bytes_get_raw(r, AUTH_NONCE);
+    if (!bytes_done(r))
+        return not_decoded(c, rank, "CHALLENGE", err);
+    memcpy(p->nonces.server, nonce, AUTH_NONCE);
+    p->challenged = true;
+    auth_code(c->options->key, AUTH_CLIENT, PROTOCOL_VERSION, &p->nonces, code);
+    enum dm2_status status = channel_send(&p->channel, MESSAGE_PROOF, 0, code, AUTH_CODE, patience(c), &why);
+    return status == DM2_OK ? DM2_OK : peer_failed(c, rank, status, why.text, err);
+}
+
 static enum dm2_status take_profile(struct client *c, int rank, struct bytes_reader *r, struct dm2_error *err)
 {
     const struct config *config = c->job->config;
@@ -207,6 +232,8 @@ static enum dm2_status take_frames(struct client *c, int rank, enum message_type
             return peer_error(c, rank, r, err);
         if (f.type == MESSAGE_STATE) {
             status = take_state(c, rank, &r, err);
+        } else if (f.type == MESSAGE_CHALLENGE && type == MESSAGE_GRANT && !p->challenged) {
+            status = answer_challenge(c, rank, &r, err);
         } else if (f.type == MESSAGE_PROFILE) {
             status = take_profile(c, rank, &r, err);
         } else if (f.type == type) {
@@ -332,6 +359,39 @@ static enum dm2_status connect_all(struct client *c, struct dm2_error *err)
     return DM2_OK;
 }
 
+/* The server has proved that it has the key, too: from here on every frame is checked with the session's keys. */
+static enum dm2_status take_grant(struct client *c, int rank, struct bytes_reader *r, struct dm2_error *err)
+{
+    struct peer *p = &c->peers[rank];
+    unsigned char code[AUTH_CODE], in[SIPHASH_KEY], out[SIPHASH_KEY];
+    const unsigned char *proof = bytes_get_raw(r, AUTH_CODE);
+    if (!bytes_done(r) || !p->challenged)
+        return not_decoded(c, rank, "GRANT", err);
+    auth_code(c->options->key, AUTH_SERVER, PROTOCOL_VERSION, &p->nonces, code);
+    if (!hmac_equal(code, proof, AUTH_CODE))
+        return peer_failed(c, rank, DM2_PROTOCOL, "it does not have the key: is this the right machine?", err);
+    auth_session_key(c->options->key, AUTH_SERVER, PROTOCOL_VERSION, &p->nonces, in);
+    auth_session_key(c->options->key, AUTH_CLIENT, PROTOCOL_VERSION, &p->nonces, out);
+    channel_use_keys(&p->channel, in, out);
+    return DM2_OK;
+}
+
+static enum dm2_status authenticate(struct client *c, struct dm2_error *err)
+{
+    for (int k = 0; k < c->ranks; k++) {
+        struct peer *p = &c->peers[k];
+        enum dm2_status status = auth_nonce(p->nonces.client, err);
+        p->challenged = false;
+        bytes_clear(&c->out);
+        bytes_put_raw(&c->out, p->nonces.client, AUTH_NONCE);
+        if (status == DM2_OK)
+            status = send_out(c, k, MESSAGE_KNOCK, err);
+        if (status != DM2_OK)
+            return status;
+    }
+    return gather(c, MESSAGE_GRANT, LIMIT_HELLO, take_grant, true, err);
+}
+
 static enum dm2_status take_welcome(struct client *c, int rank, struct bytes_reader *r, struct dm2_error *err)
 {
     struct hello_message m;
@@ -351,6 +411,9 @@ static enum dm2_status take_welcome(struct client *c, int rank, struct bytes_rea
 static enum dm2_status shake_hands(struct client *c, struct dm2_error *err)
 {
     struct hello_message m = {.fingerprint = fingerprint_compute()};
+    enum dm2_status admitted = c->options->key != NULL ? authenticate(c, err) : DM2_OK;
+    if (admitted != DM2_OK)
+        return admitted;
     (void)snprintf(m.version, sizeof m.version, "%s", c->options->version);
     bytes_clear(&c->out);
     message_put_hello(&c->out, &m);

@@ -346,10 +346,26 @@ void message_get_error(struct bytes_reader *r, struct error_message *m)
 
 const char *message_name(uint8_t type, char buffer[16])
 {
-    static const char *const names[] = {"type 0", "HELLO", "WELCOME", "DECK",  "ANSWER", "ASSIGN",
-                                        "READY",  "STEP",  "NEXT",    "STATE", "DONE",   "ERROR",
-                                        "PROFILE"};
-    if (type < sizeof names / sizeof names[0])
+    static const char *const names[] = {
+        [0] = "type 0",
+        [MESSAGE_HELLO] = "HELLO",
+        [MESSAGE_WELCOME] = "WELCOME",
+        [MESSAGE_DECK] = "DECK",
+        [MESSAGE_ANSWER] = "ANSWER",
+        [MESSAGE_ASSIGN] = "ASSIGN",
+        [MESSAGE_READY] = "READY",
+        [MESSAGE_STEP] = "STEP",
+        [MESSAGE_NEXT] = "NEXT",
+        [MESSAGE_STATE] = "STATE",
+        [MESSAGE_DONE] = "DONE",
+        [MESSAGE_ERROR] = "ERROR",
+        [MESSAGE_PROFILE] = "PROFILE",
+        [MESSAGE_KNOCK] = "KNOCK",
+        [MESSAGE_CHALLENGE] = "CHALLENGE",
+        [MESSAGE_PROOF] = "PROOF",
+        [MESSAGE_GRANT] = "GRANT",
+    };
+    if (type < sizeof names / sizeof names[0] && names[type] != NULL)
         return names[type];
     (void)snprintf(buffer, 16, "type %u", type);
     return buffer;

@@ -18,6 +18,7 @@
 
 #include "dm2/base/clock.h"
 #include "dm2/base/fingerprint.h"
+#include "dm2/base/hmac.h"
 #include "dm2/base/mem.h"
 #include "dm2/dist/exchange.h"
 #include "dm2/dist/messages.h"
@@ -33,6 +34,7 @@ struct session {
     const struct server_options *options;
     struct session_summary *summary;
     struct channel channel;
+    bool admitted; /* the client has the key, or none is needed */
     struct bytes_writer out;
     struct deck_message deck;
     struct config config;
@@ -90,12 +92,60 @@ static enum dm2_status not_decoded(const char *what, struct dm2_error *err)
 /* --- before the steps -------------------------------------------------------------------------------------
  */
 
+/* The payload of a message that is n bytes long, no more and no less. */
+static enum dm2_status expect_bytes(struct session *s, enum message_type type, unsigned char *out, size_t n,
+                                    struct deadline until, struct dm2_error *err)
+{
+    struct bytes_reader r;
+    char name[16];
+    enum dm2_status status = expect(s, type, LIMIT_AUTH, until, &r, err);
+    if (status != DM2_OK)
+        return status;
+    const unsigned char *bytes = bytes_get_raw(&r, n);
+    if (!bytes_done(&r))
+        return not_decoded(message_name((uint8_t)type, name), err);
+    memcpy(out, bytes, n);
+    return DM2_OK;
+}
+
+/* The client proves the key first: a stranger gets a random number from this server and nothing that depends on the
+ * key. */
+static enum dm2_status authenticate(struct session *s, struct deadline until, struct dm2_error *err)
+{
+    const struct auth_key *key = s->options->key;
+    struct auth_nonces nonces;
+    unsigned char code[AUTH_CODE], proof[AUTH_CODE];
+    enum dm2_status status = expect_bytes(s, MESSAGE_KNOCK, nonces.client, AUTH_NONCE, until, err);
+    if (status == DM2_OK)
+        status = auth_nonce(nonces.server, err);
+    if (status == DM2_OK)
+        status = channel_send(&s->channel, MESSAGE_CHALLENGE, 0, nonces.server, AUTH_NONCE, until, err);
+    if (status == DM2_OK)
+        status = expect_bytes(s, MESSAGE_PROOF, proof, AUTH_CODE, until, err);
+    if (status != DM2_OK)
+        return status;
+    auth_code(key, AUTH_CLIENT, PROTOCOL_VERSION, &nonces, code);
+    if (!hmac_equal(code, proof, AUTH_CODE))
+        return dm2_fail(err, DM2_PROTOCOL, "the client has another key");
+    auth_code(key, AUTH_SERVER, PROTOCOL_VERSION, &nonces, code);
+    status = channel_send(&s->channel, MESSAGE_GRANT, 0, code, AUTH_CODE, until, err);
+    unsigned char in[SIPHASH_KEY], out[SIPHASH_KEY];
+    auth_session_key(key, AUTH_CLIENT, PROTOCOL_VERSION, &nonces, in);
+    auth_session_key(key, AUTH_SERVER, PROTOCOL_VERSION, &nonces, out);
+    channel_use_keys(&s->channel, in, out);
+    return status;
+}
+
 static enum dm2_status shake_hands(struct session *s, struct dm2_error *err)
 {
     struct bytes_reader r;
     struct hello_message hello, own = {.fingerprint = fingerprint_compute()};
-    enum dm2_status status = expect(s, MESSAGE_HELLO, LIMIT_HELLO,
-                                    deadline_in(s->options->handshake, s->options->cancel), &r, err);
+    struct deadline until = deadline_in(s->options->handshake, s->options->cancel);
+    enum dm2_status status = s->options->key != NULL ? authenticate(s, until, err) : DM2_OK;
+    if (status != DM2_OK)
+        return status;
+    s->admitted = true;
+    status = expect(s, MESSAGE_HELLO, LIMIT_HELLO, until, &r, err);
     if (status != DM2_OK)
         return status;
     message_get_hello(&r, &hello);
@@ -188,6 +238,25 @@ static enum dm2_status answer_deck(struct session *s, uint8_t loaded, struct dm2
     return send_out(s, MESSAGE_ANSWER, err);
 }
 
+/* What a deck may ask of this server. */
+static enum dm2_status check_steps(const struct session *s, struct dm2_error *err)
+{
+    int64_t most = s->options->max_steps;
+    if (most == 0 || s->config.steps <= most)
+        return DM2_OK;
+    return dm2_fail(err, DM2_DECK, "the deck has %lld time steps, this server takes at most %lld: dm2-server --max-steps N",
+                    (long long)s->config.steps, (long long)most);
+}
+
+static enum dm2_status check_elements(const struct session *s, struct dm2_error *err)
+{
+    uint64_t most = s->options->max_elements;
+    if (most == 0 || model_elements(s->model) <= most)
+        return DM2_OK;
+    return dm2_fail(err, DM2_DECK, "the deck makes %zu elements, this server takes at most %llu: dm2-server --max-elements N",
+                    model_elements(s->model), (unsigned long long)most);
+}
+
 static enum dm2_status load_deck(struct session *s, struct dm2_error *err)
 {
     struct deck_report report = {0};
@@ -197,7 +266,11 @@ static enum dm2_status load_deck(struct session *s, struct dm2_error *err)
         status = dm2_fail(err, status, "the deck does not load: %s",
                           report.text == NULL ? "no memory" : report.text);
     deck_report_free(&report);
-    return status == DM2_OK ? model_build(&s->config, &s->model, err) : status;
+    if (status == DM2_OK)
+        status = check_steps(s, err);
+    if (status == DM2_OK)
+        status = model_build(&s->config, &s->model, err);
+    return status == DM2_OK ? check_elements(s, err) : status;
 }
 
 static enum dm2_status get_deck(struct session *s, struct dm2_error *err)
@@ -574,10 +647,8 @@ static enum dm2_status finish(struct session *s, struct dm2_error *err)
 
 static void tell_client(struct session *s, const struct dm2_error *err)
 {
-    struct error_message m = {.status = err->status};
-    size_t size = sizeof m.text < sizeof err->text ? sizeof m.text : sizeof err->text;
-    memcpy(m.text, err->text, size);
-    m.text[size - 1] = '\0';
+    struct error_message m = {.status = s->admitted ? err->status : DM2_PROTOCOL};
+    (void)snprintf(m.text, sizeof m.text, "%s", s->admitted ? err->text : REFUSAL_TEXT);
     bytes_clear(&s->out);
     message_put_error(&s->out, &m);
     if (!s->out.failed)
@@ -642,6 +713,20 @@ static void log_session(const struct session_summary *sum, enum dm2_status statu
     log(context, status == DM2_OK ? SERVER_DONE : SERVER_FAILED, peer, line);
 }
 
+/* Says no as far as that goes without waiting. */
+static void refuse_address(int fd, const char *peer)
+{
+    struct channel ch;
+    struct error_message m = {.status = DM2_PROTOCOL, .text = REFUSAL_TEXT};
+    struct bytes_writer out = {0};
+    message_put_error(&out, &m);
+    channel_open(&ch, fd, PROTOCOL_VERSION, peer);
+    if (!out.failed)
+        (void)channel_send(&ch, MESSAGE_ERROR, 0, out.data, out.length, deadline_in(0, -1), NULL);
+    channel_hang_up(&ch, deadline_in(0, -1));
+    bytes_free(&out);
+}
+
 enum dm2_status server_serve(int listener, const struct server_options *options, bool once, server_log log,
                              void *context, struct dm2_error *err)
 {
@@ -657,6 +742,11 @@ enum dm2_status server_serve(int listener, const struct server_options *options,
             return status;
         if (fd < 0)
             continue;
+        if (options->allow != NULL && !allow_peer(options->allow, fd)) {
+            refuse_address(fd, peer);
+            log(context, SERVER_FAILED, peer, "refused: its address is not among those of --allow");
+            continue;
+        }
         struct session_summary summary;
         log(context, SERVER_CONNECTED, peer, "connected");
         status = server_session(fd, peer, options, &summary, err);

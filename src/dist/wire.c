@@ -14,7 +14,7 @@ struct wire_limits wire_limits_of(const struct model *model)
 {
     const struct config *c = model_config(model);
     return (struct wire_limits){
-        .elements = model_elements(model), .bodies = c->n_bodies, .kinds = c->n_materials};
+        .elements = model_elements(model), .bodies = c->n_bodies, .kinds = c->n_materials + c->n_phases};
 }
 
 static void require(struct bytes_reader *r, bool holds)
@@ -45,6 +45,8 @@ void wire_put_mirror(struct bytes_writer *w, const struct element *e)
     bytes_put_f64(w, e->w);
     bytes_put_f64(w, e->heat);
     bytes_put_f64(w, e->p);
+    bytes_put_u16(w, e->was);
+    bytes_put_f64s(w, e->share, 2);
 }
 
 void wire_put_element(struct bytes_writer *w, const struct element *e)
@@ -52,6 +54,7 @@ void wire_put_element(struct bytes_writer *w, const struct element *e)
     wire_put_mirror(w, e);
     bytes_put_f64(w, e->work);
     bytes_put_f64s(w, e->strain, 3);
+    bytes_put_f64(w, e->moved);
     bytes_put_u16(w, e->bonds);
 }
 
@@ -73,7 +76,12 @@ void wire_get_mirror(struct bytes_reader *r, const struct wire_limits *limits, s
     out->w = get_finite(r);
     out->heat = get_finite(r);
     out->p = get_finite(r);
-    require(r, out->id < limits->elements && out->body < limits->bodies && out->kind < limits->kinds);
+    out->was = bytes_get_u16(r);
+    for (int k = 0; k < 2; k++)
+        out->share[k] = get_finite(r);
+    require(r, out->id < limits->elements && out->body < limits->bodies && out->kind < limits->kinds &&
+                   out->was < limits->kinds);
+    require(r, out->share[0] >= 0 && out->share[1] >= 0 && out->share[0] <= 1 && out->share[1] <= 1);
     require(r, (out->flags & ~ELEMENT_FIXED_MOTION) == 0 && out->radius > 0 && out->mass > 0);
 }
 
@@ -83,6 +91,7 @@ void wire_get_element(struct bytes_reader *r, const struct wire_limits *limits, 
     out->work = get_finite(r);
     for (int k = 0; k < 3; k++)
         out->strain[k] = get_finite(r);
+    out->moved = get_finite(r);
     out->bonds = bytes_get_u16(r);
 }
 
@@ -143,6 +152,8 @@ void wire_put_measures(struct bytes_writer *w, const struct measures *m)
     put_sum(w, &m->potential);
     put_sum(w, &m->elastic);
     put_sum(w, &m->thermal);
+    put_sum(w, &m->chemical);
+    put_sum(w, &m->phase);
     put_sum(w, &m->work);
     put_sum(w, &m->momentum[0]);
     put_sum(w, &m->momentum[1]);
@@ -168,6 +179,8 @@ void wire_get_measures(struct bytes_reader *r, struct measures *out)
     get_sum(r, &out->potential);
     get_sum(r, &out->elastic);
     get_sum(r, &out->thermal);
+    get_sum(r, &out->chemical);
+    get_sum(r, &out->phase);
     get_sum(r, &out->work);
     get_sum(r, &out->momentum[0]);
     get_sum(r, &out->momentum[1]);

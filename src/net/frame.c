@@ -6,7 +6,10 @@
  * the bytes that really arrive.
  *
  * Sending computes the checksum piecewise over the caller's parts and hands header and parts to one writev: a
- * message is one system call and none of its bytes is copied here. */
+ * message is one system call and none of its bytes is copied here.
+ *
+ * With keys the tag takes the checksum's place. It covers the number of the frame, so that a frame which is left out,
+ * repeated or moved does not pass either; and each direction has its own key, so that none can be sent back. */
 #include "dm2/net/frame.h"
 
 #include <poll.h>
@@ -17,6 +20,7 @@
 
 #include "dm2/base/clock.h"
 #include "dm2/base/crc32c.h"
+#include "dm2/base/hmac.h"
 #include "dm2/base/mem.h"
 
 enum {
@@ -71,6 +75,15 @@ void channel_open(struct channel *ch, int fd, uint16_t version, const char *name
     (void)snprintf(ch->name, sizeof ch->name, "%s", name);
 }
 
+void channel_use_keys(struct channel *ch, const unsigned char in[SIPHASH_KEY],
+                      const unsigned char out[SIPHASH_KEY])
+{
+    memcpy(ch->key_in, in, SIPHASH_KEY);
+    memcpy(ch->key_out, out, SIPHASH_KEY);
+    ch->keyed = true;
+    ch->tags_in = ch->tags_out = 0;
+}
+
 void channel_close(struct channel *ch)
 {
     socket_close(ch->fd);
@@ -105,6 +118,40 @@ static enum dm2_status named(const struct channel *ch, enum dm2_status status, c
     return dm2_fail(err, status, "%s: %s", ch->name, why->text);
 }
 
+static void tag_start(struct siphash *s, const unsigned char key[SIPHASH_KEY], uint64_t number)
+{
+    unsigned char count[8];
+    put_le(count, (uint32_t)(number & 0xffffffffU), 4);
+    put_le(count + 4, (uint32_t)(number >> 32), 4);
+    siphash_start(s, key);
+    siphash_add(s, count, sizeof count);
+}
+
+/* Puts checksum or tag of header and payload where they belong. */
+static void seal(struct channel *ch, unsigned char header[FRAME_HEADER + FRAME_TAG], const struct iovec *iov,
+                 size_t n_iov)
+{
+    if (!ch->keyed) {
+        uint32_t crc = crc32c(0, header, FRAME_HEADER - 4);
+        for (size_t k = 1; k < n_iov; k++)
+            crc = crc32c(crc, iov[k].iov_base, iov[k].iov_len);
+        put_le(header + 12, crc, 4);
+        return;
+    }
+    struct siphash s;
+    tag_start(&s, ch->key_out, ch->tags_out++);
+    siphash_add(&s, header, FRAME_HEADER);
+    for (size_t k = 1; k < n_iov; k++)
+        siphash_add(&s, iov[k].iov_base, iov[k].iov_len);
+    siphash_finish(&s, header + FRAME_HEADER);
+}
+
+/* Bytes before the payload. */
+static size_t head_of(const struct channel *ch)
+{
+    return FRAME_HEADER + (ch->keyed ? FRAME_TAG : 0);
+}
+
 enum dm2_status channel_send_parts(struct channel *ch, uint8_t type, uint8_t flags, struct iovec *iov,
                                    size_t n_iov, struct deadline until, struct dm2_error *err)
 {
@@ -116,20 +163,17 @@ enum dm2_status channel_send_parts(struct channel *ch, uint8_t type, uint8_t fla
                             FRAME_LENGTH_MAX);
         length += iov[k].iov_len;
     }
-    unsigned char header[FRAME_HEADER];
+    unsigned char header[FRAME_HEADER + FRAME_TAG];
     struct frame_header h = {
         .version = ch->version, .type = type, .flags = flags, .length = (uint32_t)length};
     frame_header_encode(&h, header);
-    uint32_t crc = crc32c(0, header, FRAME_HEADER - 4);
-    for (size_t k = 1; k < n_iov; k++)
-        crc = crc32c(crc, iov[k].iov_base, iov[k].iov_len);
-    put_le(header + 12, crc, 4);
-    iov[0] = (struct iovec){.iov_base = header, .iov_len = sizeof header};
     struct dm2_error why = {0};
+    seal(ch, header, iov, n_iov);
+    iov[0] = (struct iovec){.iov_base = header, .iov_len = head_of(ch)};
     enum dm2_status status = socket_write_all(ch->fd, iov, n_iov, until, &why);
     if (status == DM2_OK) {
         ch->frames_out++;
-        ch->bytes_out += FRAME_HEADER + length;
+        ch->bytes_out += head_of(ch) + length;
     }
     return named(ch, status, &why, err);
 }
@@ -224,19 +268,33 @@ static void drop_taken(struct channel *ch)
     ch->header_good = false;
 }
 
+static bool check_matches(struct channel *ch, const unsigned char *payload)
+{
+    if (!ch->keyed)
+        return crc32c(crc32c(0, ch->buffer, FRAME_HEADER - 4), payload, ch->in.length) == ch->in.checksum;
+    struct siphash s;
+    unsigned char tag[FRAME_TAG];
+    tag_start(&s, ch->key_in, ch->tags_in++);
+    siphash_add(&s, ch->buffer, FRAME_HEADER);
+    siphash_add(&s, payload, ch->in.length);
+    siphash_finish(&s, tag);
+    return hmac_equal(tag, ch->buffer + FRAME_HEADER, FRAME_TAG);
+}
+
 /* Is the frame whole? Then it is checked and handed out. */
 static enum dm2_status take_frame(struct channel *ch, bool *complete, struct frame *out,
                                   struct dm2_error *err)
 {
-    *complete = ch->header_good && ch->filled - FRAME_HEADER >= ch->in.length;
+    size_t head = head_of(ch);
+    *complete = ch->header_good && ch->filled >= head + ch->in.length;
     if (!*complete)
         return DM2_OK;
-    const unsigned char *payload = ch->buffer + FRAME_HEADER;
-    if (crc32c(crc32c(0, ch->buffer, FRAME_HEADER - 4), payload, ch->in.length) != ch->in.checksum)
+    const unsigned char *payload = ch->buffer + head;
+    if (!check_matches(ch, payload))
         return header_fault(ch, FRAME_CHECKSUM, &ch->in, 0, err);
     *out = (struct frame){
         .type = ch->in.type, .flags = ch->in.flags, .payload = payload, .length = ch->in.length};
-    ch->taken = FRAME_HEADER + (size_t)ch->in.length;
+    ch->taken = head + (size_t)ch->in.length;
     ch->frames_in++;
     return DM2_OK;
 }

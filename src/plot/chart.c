@@ -71,6 +71,8 @@ static void lay_out(const struct chart *c, const double x[2], const double y[2],
     l->left = 16 + widest_label(&l->y) + (c->y_label != NULL ? 22 : 0);
     l->right = l->width - 20 - legend;
     l->top = (c->title != NULL ? 42 : 18) + (l->y.exponent != 0 ? 16 : 0);
+    if (has_legend(c))
+        l->height = fmax(l->height, l->top + 21 * (double)c->n_series + 30);
     l->bottom = l->height - 34 - (c->x_label != NULL ? 20 : 0);
 }
 
@@ -129,11 +131,19 @@ static void draw_y_axis(struct svg *svg, const struct chart *c, const struct lay
         svg_text(svg, 20, 0.5 * (l->top + l->bottom), &label, c->y_label);
 }
 
+static void series_colour(const struct chart_series *s, char out[COLOUR_TEXT])
+{
+    if (s->shaded)
+        colour_sequential(0.92 * s->shade, out); /* the lightest is too light for a line on white */
+    else
+        colour_category(s->colour, out);
+}
+
 /* The style of a series as attributes; the element stays open. */
 static void put_stroke(struct svg *svg, const struct chart_series *s)
 {
     char colour[COLOUR_TEXT];
-    colour_category(s->colour, colour);
+    series_colour(s, colour);
     svg_puts(svg, "\" fill=\"none\" stroke=\"");
     svg_puts(svg, colour);
     svg_puts(svg, "\" stroke-width=\"1.8\" stroke-linejoin=\"round");
@@ -176,7 +186,7 @@ static void put_marker(struct svg *svg, size_t shape, double x, double y)
 static void close_markers(struct svg *svg, const struct chart_series *s)
 {
     char colour[COLOUR_TEXT];
-    colour_category(s->colour, colour);
+    series_colour(s, colour);
     svg_puts(svg, "\" stroke=\"#fff\" stroke-width=\".8\" fill=\"");
     svg_puts(svg, colour);
     svg_puts(svg, "\"/>\n");

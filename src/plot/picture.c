@@ -52,6 +52,18 @@ static double mean_stress(const double *tuple)
     return 0.5 * (tuple[0] + tuple[1]);
 }
 
+/* The largest shear strain in the plane, and the change of area. */
+static double shear_strain(const double *tuple)
+{
+    double half = 0.5 * (tuple[0] - tuple[1]);
+    return sqrt(half * half + tuple[2] * tuple[2]);
+}
+
+static double area_strain(const double *tuple)
+{
+    return tuple[0] + tuple[1];
+}
+
 static const struct quantity quantities[] = {
     {"material", "material", "kind", SCHEME_CATEGORY, first},
     {"velocity", "speed [cm/\u00b5s]", "velocity", SCHEME_SEQUENTIAL, speed},
@@ -66,6 +78,15 @@ static const struct quantity quantities[] = {
     {"spin", "angular velocity [1/\u00b5s]", "spin", SCHEME_DIVERGING, first},
     {"links", "links", "links", SCHEME_SEQUENTIAL, first},
     {"contacts", "contacts", "contacts", SCHEME_SEQUENTIAL, first},
+    {"bonds", "links at the start", "bonds", SCHEME_SEQUENTIAL, first},
+    {"damage", "damage: lost share of links", "damage", SCHEME_SEQUENTIAL, first},
+    {"strain", "largest shear strain", "strain", SCHEME_SEQUENTIAL, shear_strain},
+    {"strain-area", "area strain", "strain", SCHEME_DIVERGING, area_strain},
+    {"strain-xx", "strain xx", "strain", SCHEME_DIVERGING, first},
+    {"strain-yy", "strain yy", "strain", SCHEME_DIVERGING, second},
+    {"strain-xy", "strain xy", "strain", SCHEME_DIVERGING, third},
+    {"fragment", "fragment", "fragment", SCHEME_CATEGORY, first},
+    {"phase", "phase", "phase", SCHEME_CATEGORY, first},
     {"grain", "grain", "grain", SCHEME_CATEGORY, first},
     {"body", "body", "body", SCHEME_CATEGORY, first},
 };
@@ -84,7 +105,8 @@ struct disc {
 struct picture {
     const struct vtp *vtp;
     const struct picture_options *options;
-    const struct quantity *quantity;
+    struct quantity quantity;
+    char name[2 * VTP_NAME_MAX]; /* of a quantity that is not in the table */
     const double *values, *radius;
     size_t components;
     double low, high;                   /* range of the colours */
@@ -99,38 +121,84 @@ struct picture {
 const char *picture_colours(void)
 {
     return "material velocity vx vy stress stress-xx stress-yy stress-xy pressure temperature spin links "
-           "contacts grain "
-           "body";
+           "contacts bonds damage strain strain-area strain-xx strain-yy strain-xy fragment phase grain body, or "
+           "ARRAY or ARRAY:COMPONENT of the file";
 }
 
 /* --- what is shown ----------------------------------------------------------------------------------------
  */
 
+/* The names of the arrays of points, blank-separated; cut where there are many. */
+static void list_arrays(const struct vtp *vtp, char *out, size_t size)
+{
+    size_t used = 0;
+    out[0] = '\0';
+    for (size_t k = 0; k < vtp->n_arrays && used < size; k++)
+        if (strcmp(vtp->arrays[k].section, "PointData") == 0)
+            used += (size_t)snprintf(out + used, size - used, "%s%s", used == 0 ? "" : " ", vtp->arrays[k].name);
+}
+
+/* Any other array of the file by its name, with the component behind a colon, from 1. */
+static const struct vtp_array *find_other(struct picture *p, const char *word, size_t *component)
+{
+    const char *colon = strrchr(word, ':');
+    size_t length = colon == NULL ? strlen(word) : (size_t)(colon - word);
+    int64_t number = 1;
+    if (length >= VTP_NAME_MAX ||
+        (colon != NULL && (!number_parse_integer(colon + 1, strlen(colon + 1), &number) || number < 1)))
+        return NULL;
+    (void)snprintf(p->name, sizeof p->name, "%.*s", (int)length, word);
+    const struct vtp_array *array = vtp_find(p->vtp, "PointData", p->name);
+    if (array == NULL || (uint64_t)number > array->components)
+        return NULL;
+    if (array->components > 1)
+        (void)snprintf(p->name, sizeof p->name, "%.*s, component %d", (int)length, word, (int)number);
+    *component = (size_t)number - 1;
+    return array;
+}
+
+static bool any_negative(const struct picture *p)
+{
+    for (size_t i = 0; i < p->vtp->n_points; i++)
+        if (p->values[i * p->components] < 0)
+            return true;
+    return false;
+}
+
 static enum dm2_status choose_quantity(struct picture *p, struct dm2_error *err)
 {
     const char *word = p->options->colour == NULL ? "material" : p->options->colour;
-    for (int i = 0; i < N_QUANTITIES; i++)
-        if (strcmp(word, quantities[i].word) == 0)
-            p->quantity = &quantities[i];
-    if (p->quantity == NULL)
-        return dm2_fail(err, DM2_USAGE, "'%s' is nothing to colour by; choose one of: %s", word,
-                        picture_colours());
-    const struct vtp_array *values = vtp_find(p->vtp, "PointData", p->quantity->array);
-    const struct vtp_array *radius = vtp_find(p->vtp, "PointData", "radius");
-    size_t least =
-        strcmp(p->quantity->array, "velocity") == 0 || strcmp(p->quantity->array, "stress") == 0 ? 3 : 1;
-    if (values == NULL || values->components < least || radius == NULL || radius->components != 1)
-        return dm2_fail(err, DM2_USAGE, "the snapshot has no array '%s' of its points, or no 'radius'",
-                        p->quantity->array);
-    p->values = values->values;
+    const struct vtp_array *radius = vtp_find(p->vtp, "PointData", "radius"), *values;
+    size_t component = 0;
+    char names[400];
+    bool known = false;
+    for (int i = 0; i < N_QUANTITIES && !known; i++) {
+        known = strcmp(word, quantities[i].word) == 0;
+        p->quantity = quantities[i];
+    }
+    values = known ? vtp_find(p->vtp, "PointData", p->quantity.array) : find_other(p, word, &component);
+    list_arrays(p->vtp, names, sizeof names);
+    if (!known && values == NULL)
+        return dm2_fail(err, DM2_USAGE, "'%.60s' is nothing to colour by; choose one of: %s. The file has the arrays: %.200s",
+                        word, picture_colours(), names);
+    size_t least = p->quantity.value == first || !known ? 1 : p->quantity.value == second ? 2 : 3; /* that it reads */
+    if (values == NULL || values->components < least)
+        return dm2_fail(err, DM2_USAGE, "'%s' needs an array '%s' that the snapshot does not have; it has: %s", word,
+                        p->quantity.array, names);
+    if (radius == NULL || radius->components != 1)
+        return dm2_fail(err, DM2_USAGE, "the snapshot has no array 'radius' of its points; it has: %s", names);
+    p->values = values->values + component;
     p->components = values->components;
     p->radius = radius->values;
+    if (!known)
+        p->quantity = (struct quantity){word, p->name, values->name,
+                                        any_negative(p) ? SCHEME_DIVERGING : SCHEME_SEQUENTIAL, first};
     return DM2_OK;
 }
 
 static double value_of(const struct picture *p, size_t i)
 {
-    return p->quantity->value(p->values + i * p->components);
+    return p->quantity.value(p->values + i * p->components);
 }
 
 static enum dm2_status choose_range(struct picture *p, struct dm2_error *err)
@@ -145,7 +213,7 @@ static enum dm2_status choose_range(struct picture *p, struct dm2_error *err)
     }
     if (low > high)
         low = high = 0;
-    if (p->quantity->scheme == SCHEME_DIVERGING) {
+    if (p->quantity.scheme == SCHEME_DIVERGING) {
         high = fmax(fabs(low), fabs(high));
         low = -high;
     }
@@ -200,20 +268,20 @@ static void choose_view(struct picture *p)
 
 static void category_name(const struct picture *p, size_t category, char *out, size_t size)
 {
-    const struct vtp_names *names = strcmp(p->quantity->word, "material") == 0 ? &p->vtp->materials
-                                    : strcmp(p->quantity->word, "body") == 0   ? &p->vtp->bodies
+    const struct vtp_names *names = strcmp(p->quantity.word, "material") == 0 ? &p->vtp->materials
+                                    : strcmp(p->quantity.word, "body") == 0   ? &p->vtp->bodies
                                                                                : NULL;
     if (names != NULL && category < names->n)
         (void)snprintf(out, size, "%s", names->name[category]);
     else
-        (void)snprintf(out, size, "%s %zu", p->quantity->word, category);
+        (void)snprintf(out, size, "%s %zu", p->quantity.word, category);
 }
 
 /* Grains are many: neighbouring numbers are spread over the colours. */
 static uint32_t category_colour(const struct picture *p, double value)
 {
     uint64_t category = value >= 0 && value < 0x1p53 ? (uint64_t)value : 0;
-    if (strcmp(p->quantity->word, "grain") == 0)
+    if (strcmp(p->quantity.word, "grain") == 0)
         category = category * 0x9E3779B97F4A7C15u >> 40;
     return (uint32_t)(category % COLOUR_CATEGORIES);
 }
@@ -278,7 +346,7 @@ static enum dm2_status make_discs(struct picture *p, struct dm2_error *err)
         double value = value_of(p, i), radius = rint(10 * p->radius[i] * p->scale);
         if (!to_frame(p, p->vtp->position + 3 * i, &d->x, &d->y))
             continue;
-        d->colour = p->quantity->scheme == SCHEME_CATEGORY ? category_colour(p, value) : step_of(p, value);
+        d->colour = p->quantity.scheme == SCHEME_CATEGORY ? category_colour(p, value) : step_of(p, value);
         d->radius = radius >= 4 ? (uint32_t)fmin(radius, 1e6) : 4; /* still visible */
         d->index = (uint32_t)i;
         p->n_discs++;
@@ -289,7 +357,7 @@ static enum dm2_status make_discs(struct picture *p, struct dm2_error *err)
 
 static void step_colour(const struct picture *p, double t, char out[COLOUR_TEXT])
 {
-    if (p->quantity->scheme == SCHEME_DIVERGING)
+    if (p->quantity.scheme == SCHEME_DIVERGING)
         colour_diverging(t, out);
     else
         colour_sequential(t, out);
@@ -311,7 +379,7 @@ static void draw_discs(struct svg *svg, const struct picture *p)
         const struct disc *head = &p->discs[i];
         int32_t x = 0, y = 0;
         char colour[COLOUR_TEXT];
-        if (p->quantity->scheme == SCHEME_CATEGORY)
+        if (p->quantity.scheme == SCHEME_CATEGORY)
             colour_category(head->colour, colour);
         else
             step_colour(p, (head->colour + 0.5) / STEPS, colour);
@@ -360,13 +428,13 @@ static void draw_links(struct svg *svg, const struct picture *p)
 
 static bool has_colour_bar(const struct picture *p)
 {
-    return p->quantity->scheme != SCHEME_CATEGORY;
+    return p->quantity.scheme != SCHEME_CATEGORY;
 }
 
 static void colour_axis(const struct picture *p, struct axis *a)
 {
-    bool whole = p->quantity->scheme == SCHEME_SEQUENTIAL && p->high - p->low < 8 &&
-                 (strcmp(p->quantity->word, "links") == 0 || strcmp(p->quantity->word, "contacts") == 0);
+    bool whole = p->quantity.scheme == SCHEME_SEQUENTIAL && p->high - p->low < 8 &&
+                 (strcmp(p->quantity.word, "links") == 0 || strcmp(p->quantity.word, "contacts") == 0);
     axis_make(a, p->low, p->high, false, false, whole ? (int)fmax(2, p->high - p->low) : 8);
 }
 
@@ -494,7 +562,7 @@ static void draw_colour_bar(struct svg *svg, const struct picture *p)
     }
     char label[96], factor[AXIS_LABEL_MAX];
     axis_factor(&a, factor);
-    (void)snprintf(label, sizeof label, "%s%s%s", p->quantity->label, factor[0] == '\0' ? "" : "  ", factor);
+    (void)snprintf(label, sizeof label, "%s%s%s", p->quantity.label, factor[0] == '\0' ? "" : "  ", factor);
     const struct svg_font beside = {.size = font_size, .anchor = SVG_MIDDLE, .rotated = 1};
     svg_text(svg, x + w + 8 + widest + 17, top + 0.5 * height, &beside, label);
 }

@@ -2,6 +2,7 @@
  * wins field by field, so that `interface body { linked = no }` changes nothing else. */
 #include "dm2/sim/config.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -54,9 +55,22 @@ struct interaction_config config_interaction(const struct config *c, int a, int 
     return out;
 }
 
+const char *config_kind_name(const struct config *c, size_t kind, struct kind_name *out)
+{
+    if (kind < c->n_materials) {
+        (void)snprintf(out->text, sizeof out->text, "%s", c->materials[kind].name);
+    } else {
+        const struct phase_config *phase = &c->phases[kind - c->n_materials];
+        (void)snprintf(out->text, sizeof out->text, "%s/%s", c->materials[phase->material].name, phase->name);
+    }
+    return out->text;
+}
+
 void config_free(struct config *c)
 {
     free(c->materials);
+    free(c->phases);
+    free(c->reactions);
     free(c->bodies);
     free(c->probes);
     free(c->profiles);

@@ -5,6 +5,7 @@
  * mistake, not an unknown keyword and a missing one. */
 #include "dm2/sim/deck_bind.h"
 
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -73,7 +74,7 @@ static void check_single(struct deck_binding *b, size_t block)
 static bool named(enum block_kind kind)
 {
     return kind == BLOCK_MATERIAL || kind == BLOCK_BODY || kind == BLOCK_PROBE || kind == BLOCK_PROFILE ||
-           kind == BLOCK_VOID || kind == BLOCK_FLAW;
+           kind == BLOCK_VOID || kind == BLOCK_FLAW || kind == BLOCK_PHASE || kind == BLOCK_REACTION;
 }
 
 /* Is the number of names between the word and the brace right, and can they be names? */
@@ -82,7 +83,10 @@ static bool check_head(struct deck_binding *b, size_t block)
     const struct block_schema *schema = schema_block(b->kinds[block]);
     const struct deck_block *at = block_at(b, block);
     size_t extra = b->kinds[block] == BLOCK_INTERFACE ? 1 : 0, n = at->n_names;
-    bool ok = schema->single ? n == 0 : named(b->kinds[block]) ? n == 1 : n == extra || n == extra + 2;
+    bool ok = schema->single                   ? n == 0
+              : b->kinds[block] == BLOCK_PHASE ? n == 2
+              : named(b->kinds[block])         ? n == 1
+                                               : n == extra || n == extra + 2;
     struct place_text text;
     if (!ok) {
         struct deck_place place =
@@ -112,12 +116,15 @@ static bool find_kinds(struct deck_binding *b)
     b->probe_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
     b->profile_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
     b->rule_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
+    b->phase_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
+    b->reaction_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
     b->void_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
     b->flaw_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
     if (b->void_block == NULL || b->flaw_block == NULL)
         return false;
     if (b->kinds == NULL || b->material_block == NULL || b->body_block == NULL || b->probe_block == NULL ||
-        b->profile_block == NULL || b->rule_block == NULL)
+        b->profile_block == NULL || b->rule_block == NULL || b->phase_block == NULL ||
+        b->reaction_block == NULL)
         return false;
     for (int kind = 0; kind < BLOCK_COUNT; kind++)
         b->single[kind] = tree->n_blocks;
@@ -292,6 +299,85 @@ static bool bind_materials(struct deck_binding *b)
         read_block(b, b->material_block[i], &c->materials[i]);
     }
     return n == 0 || name_things(b, b->material_block, n, c->materials[0].name, sizeof *c->materials);
+}
+
+/* The constants that the deck does not give are those of the phase it forms from, which stands before it. */
+static void inherit(struct deck_binding *b, size_t block, const struct material_config *from, struct material_config *to)
+{
+    const struct block_schema *schema = schema_block(BLOCK_PHASE);
+    for (size_t i = 0; i < schema->n_keys; i++) {
+        size_t offset = schema->keys[i].offset;
+        if (offset < offsetof(struct phase_config, state) || entry_of(b, block, schema->keys[i].name) != NULL)
+            continue;
+        offset -= offsetof(struct phase_config, state);
+        memcpy((char *)to + offset, (const char *)from + offset, sizeof(double));
+    }
+    memcpy(to->name, from->name, sizeof to->name);
+    to->mass = from->mass;
+    to->t0 = from->t0;
+}
+
+/* The phase that phase i forms from: -1, the material; -2 after a finding. */
+static int phase_from(struct deck_binding *b, size_t i)
+{
+    const struct phase_config *phases = b->config->phases, *phase = &phases[i];
+    struct deck_place place = binding_place(b, b->phase_block[i], "from", 0);
+    if (phase->from_name[0] == '\0')
+        return -1;
+    for (size_t k = 0; k < i; k++)
+        if (phases[k].material == phase->material && strcmp(phases[k].name, phase->from_name) == 0)
+            return (int)k;
+    findings_error(b->findings, place, "the material '%s' has no phase '%s' before this one",
+                   b->config->materials[phase->material].name, phase->from_name);
+    return -2;
+}
+
+static bool bind_phases(struct deck_binding *b)
+{
+    struct config *c = b->config;
+    size_t n = collect(b, BLOCK_PHASE, PHASE_MAX, b->phase_block, 0);
+    c->phases = mem_zalloc(n, sizeof *c->phases);
+    if (c->phases == NULL)
+        return false;
+    for (size_t k = 0; k < n; k++) {
+        struct phase_config *phase = &c->phases[c->n_phases];
+        size_t block = b->phase_block[c->n_phases] = b->phase_block[k];
+        struct deck_place name = name_of(b, block, 1);
+        *phase = (struct phase_config){.material = binding_material(b, name_of(b, block, 0))};
+        memcpy(phase->name, place_bytes(b->tree->source, name), name.length);
+        schema_defaults(schema_block(BLOCK_PHASE), phase);
+        read_block(b, block, phase);
+        if (phase->material < 0)
+            continue;
+        for (size_t i = 0; i < c->n_phases; i++)
+            if (c->phases[i].material == phase->material && strcmp(c->phases[i].name, phase->name) == 0)
+                findings_error(b->findings, name, "the material '%s' has a phase '%s' before",
+                               c->materials[phase->material].name, phase->name);
+        phase->from = phase_from(b, c->n_phases);
+        if (phase->from == -2)
+            continue;
+        inherit(b, block, phase->from < 0 ? &c->materials[phase->material] : &c->phases[phase->from].state,
+                &phase->state);
+        c->n_phases++;
+    }
+    return true;
+}
+
+static bool bind_reactions(struct deck_binding *b)
+{
+    struct config *c = b->config;
+    size_t n = collect(b, BLOCK_REACTION, REACTION_MAX, b->reaction_block, 0);
+    c->reactions = mem_zalloc(n, sizeof *c->reactions);
+    if (c->reactions == NULL)
+        return false;
+    c->n_reactions = n;
+    for (size_t i = 0; i < n; i++) {
+        struct reaction_config *r = &c->reactions[i];
+        *r = (struct reaction_config){.reactant = {-1, -1}, .product = -1};
+        schema_defaults(schema_block(BLOCK_REACTION), r);
+        read_block(b, b->reaction_block[i], r);
+    }
+    return n == 0 || name_things(b, b->reaction_block, n, c->reactions[0].name, sizeof *c->reactions);
 }
 
 static bool bind_bodies(struct deck_binding *b)
@@ -470,8 +556,8 @@ bool deck_bind(struct deck_binding *b, int64_t steps)
     schema_defaults(schema_block(BLOCK_TIME), c);
     schema_defaults(schema_block(BLOCK_OUTPUT), c);
     c->output.vtp = true;
-    bool ok = bind_materials(b) && bind_rules(b) && bind_bodies(b) && bind_voids(b) && bind_flaws(b) &&
-              bind_probes(b);
+    bool ok = bind_materials(b) && bind_phases(b) && bind_reactions(b) && bind_rules(b) && bind_bodies(b) &&
+              bind_voids(b) && bind_flaws(b) && bind_probes(b);
     bind_single(b, BLOCK_DOMAIN);
     bind_single(b, BLOCK_TIME);
     bind_single(b, BLOCK_OUTPUT);
@@ -495,4 +581,6 @@ void deck_binding_free(struct deck_binding *b)
     free(b->void_block);
     free(b->flaw_block);
     free(b->rule_block);
+    free(b->phase_block);
+    free(b->reaction_block);
 }

@@ -66,6 +66,7 @@ bool deck_check(const struct deck_binding *b)
 {
     check_domain(b);
     check_materials(b);
+    check_chemistry(b);
     check_output(b);
     check_profiles(b);
     return check_bodies(b);

@@ -30,6 +30,11 @@ _Static_assert(sizeof(enum potential_kind) == sizeof(int), "a choice is stored a
 #define ENERGY          DIM(2, 1, -2, 0)
 #define HEAT_CAPACITY   DIM(2, 0, -2, -1)
 #define CONDUCTIVITY    DIM(1, 1, -3, -1)
+#define SPECIFIC_ENERGY DIM(2, 0, -2, 0)
+#define MOLAR_ENERGY                                                                                         \
+    {                                                                                                        \
+        2, 1, -2, 0, -1                                                                                      \
+    }
 
 #define ANY          .low = -HUGE_VAL, .high = HUGE_VAL
 #define POSITIVE     .low = 0, .low_open = true, .high = HUGE_VAL
@@ -95,6 +100,72 @@ static const struct deck_key material_keys[] = {
     {"kappa", VALUE_REAL, 1, CONDUCTIVITY, NOT_NEGATIVE, .initial = "0",
      .offset = offsetof(struct material_config, kappa), .meaning = "heat conductivity"},
 };
+
+#define PHASE(f) .offset = offsetof(struct phase_config, f)
+#define REACTION(f) .offset = offsetof(struct reaction_config, f)
+static const struct deck_key phase_keys[] = {
+    {"from", VALUE_NAME, 1, PLAIN, ANY, .initial = "the material itself", PHASE(from_name),
+     .meaning = "the phase that it forms from: one of the same material and before this one"},
+    {"transition", VALUE_CHOICE, 1, PLAIN, ANY, .choices = "pressure|temperature", .required = true, PHASE(transition),
+     .meaning = "it forms above a pressure, P > p_line + dp_dt (T - t_line), or above a temperature, T > t_line + dt_dp (P - "
+                "p_line)"},
+    {"reversible", VALUE_FLAG, 1, PLAIN, ANY, .choices = "no|yes", .initial = "yes", PHASE(reversible),
+     .meaning = "does it go back below its line"},
+    {"p_line", VALUE_REAL, 1, STRESS, ANY, .initial = "0", PHASE(p_line), .meaning = "pressure of one point of the line"},
+    {"t_line", VALUE_REAL, 1, TEMPERATURE, NOT_NEGATIVE, .required = true, PHASE(t_line),
+     .meaning = "temperature of that point, at which `latent` is meant"},
+    {"dp_dt", VALUE_REAL, 1, DIM(-1, 1, -2, -1), ANY, .initial = "0", PHASE(dp_dt),
+     .meaning = "slope of the line of a transition by pressure"},
+    {"dt_dp", VALUE_REAL, 1, DIM(1, -1, 2, 1), ANY, .initial = "0", PHASE(dt_dp),
+     .meaning = "slope of the line of a transition by temperature"},
+    {"hysteresis_p", VALUE_REAL, 1, STRESS, NOT_NEGATIVE, .initial = "0", PHASE(hysteresis_p),
+     .meaning = "a transition by pressure goes back where P is so much below the line"},
+    {"hysteresis_t", VALUE_REAL, 1, TEMPERATURE, NOT_NEGATIVE, .initial = "a tenth more than latent/cp", PHASE(hysteresis_t),
+     .meaning = "a transition by temperature goes back where T is so much below the line"},
+    {"latent", VALUE_REAL, 1, SPECIFIC_ENERGY, ANY, .initial = "0", PHASE(latent),
+     .meaning = "heat per mass that forming it takes up; negative: sets free"},
+    {"rho0", VALUE_REAL, 1, DENSITY, POSITIVE, .initial = "that of `from`", PHASE(state.rho0),
+     .meaning = "density; it scales the radius by the square root of the old density over the new"},
+    {"c0", VALUE_REAL, 1, VELOCITY, POSITIVE, .initial = "that of `from`", PHASE(state.c0),
+     .meaning = "bulk sound speed: Us = c0 + s up"},
+    {"s", VALUE_REAL, 1, PLAIN, NOT_NEGATIVE, .initial = "that of `from`", PHASE(state.s),
+     .meaning = "slope of the Hugoniot Us = c0 + s up"},
+    {"shear", VALUE_REAL, 1, STRESS, NOT_NEGATIVE, .initial = "that of `from`", PHASE(state.shear),
+     .meaning = "shear modulus G"},
+    {"yield", VALUE_REAL, 1, STRESS, NOT_NEGATIVE, .initial = "that of `from`", PHASE(state.yield),
+     .meaning = "yield stress Y of the shear resistance"},
+    {"tensile", VALUE_REAL, 1, STRESS, NOT_NEGATIVE, .initial = "that of `from`", PHASE(state.tensile),
+     .meaning = "tensile strength"},
+    {"softening", VALUE_REAL, 1, PLAIN, POSITIVE, .initial = "that of `from`", PHASE(state.softening),
+     .meaning = "n of the softening with temperature"},
+    {"tm", VALUE_REAL, 1, TEMPERATURE, POSITIVE, .initial = "that of `from`", PHASE(state.tm),
+     .meaning = "melting temperature, where strength ends"},
+    {"cp", VALUE_REAL, 1, HEAT_CAPACITY, POSITIVE, .initial = "that of `from`", PHASE(state.cp),
+     .meaning = "heat capacity"},
+    {"kappa", VALUE_REAL, 1, CONDUCTIVITY, NOT_NEGATIVE, .initial = "that of `from`", PHASE(state.kappa),
+     .meaning = "heat conductivity"},
+};
+
+static const struct deck_key reaction_keys[] = {
+    {"reactants", VALUE_MATERIALS, 2, PLAIN, ANY, .required = true, REACTION(reactant),
+     .meaning = "the two materials that react where elements of them touch"},
+    {"product", VALUE_MATERIALS, 1, PLAIN, ANY, .required = true, REACTION(product),
+     .meaning = "the material that they become"},
+    {"kind", VALUE_CHOICE, 1, PLAIN, ANY, .choices = "stoichiometric|non-stoichiometric", .initial = "stoichiometric",
+     REACTION(kind),
+     .meaning = "do the reactants go in the proportion of `masses` or of what the two elements hold"},
+    {"masses", VALUE_REAL, 2, PLAIN, POSITIVE, .initial = "none: only for non-stoichiometric", REACTION(masses),
+     .meaning = "masses of the reactants that react with each other, such as molar masses"},
+    {"k0", VALUE_REAL, 1, DIM(-2, 1, -1, 0), POSITIVE, .required = true, REACTION(k0),
+     .meaning = "mass of product per area of contact and time, k0 exp(-ea/(R T))"},
+    {"ea", VALUE_REAL, 1, MOLAR_ENERGY, NOT_NEGATIVE, .required = true, REACTION(ea), .meaning = "activation energy"},
+    {"heat", VALUE_REAL, 1, SPECIFIC_ENERGY, ANY, .required = true, REACTION(heat),
+     .meaning = "heat that a mass of product sets free"},
+    {"threshold", VALUE_REAL, 1, PLAIN, .low = 0, .low_open = true, .high = 1, .high_open = true, .initial = "0.01",
+     REACTION(threshold), .meaning = "an element that holds less of the reactants than this becomes the product material"},
+};
+#undef PHASE
+#undef REACTION
 
 #define FIELD(f) .offset = offsetof(struct interaction_config, f)
 static const struct deck_key interaction_keys[] = {
@@ -252,6 +323,8 @@ static const struct block_schema blocks[BLOCK_COUNT] = {
     [BLOCK_DOMAIN] = {"domain", "nothing", true, true, KEYS(domain_keys)},
     [BLOCK_TIME] = {"time", "nothing", true, true, KEYS(time_keys)},
     [BLOCK_MATERIAL] = {"material", "a name", false, true, KEYS(material_keys)},
+    [BLOCK_PHASE] = {"phase", "a material and a name", false, false, KEYS(phase_keys)},
+    [BLOCK_REACTION] = {"reaction", "a name", false, false, KEYS(reaction_keys)},
     [BLOCK_INTERACTION] = {"interaction", "nothing or two materials", false, false, KEYS(interaction_keys)},
     [BLOCK_INTERFACE] = {"interface", "grain or body, and nothing or two materials", false, false,
                          KEYS(interaction_keys)},

@@ -254,6 +254,34 @@ int binding_material(struct deck_binding *b, struct deck_place name)
     return -1;
 }
 
+static bool read_materials(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry, int *out)
+{
+    bool ok = true;
+    if (!count_is(b, key, entry, (size_t)key->count))
+        return false;
+    for (int i = 0; i < key->count; i++) {
+        out[i] = binding_material(b, word_at(b, entry, (size_t)i));
+        ok = ok && out[i] >= 0;
+    }
+    return ok;
+}
+
+static bool read_name(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry, char *out)
+{
+    struct place_text text;
+    if (!count_is(b, key, entry, 1))
+        return false;
+    struct deck_place word = word_at(b, entry, 0);
+    if (word.length > NAME_MAX_LENGTH) {
+        findings_error(b->findings, word, "a name has at most %d letters, not %s", NAME_MAX_LENGTH,
+                       place_text(b->tree->source, word, &text));
+        return false;
+    }
+    memcpy(out, place_bytes(b->tree->source, word), word.length);
+    out[word.length] = '\0';
+    return true;
+}
+
 static const char *body_name(const void *context, size_t i)
 {
     return ((const struct config *)context)->bodies[i].name;
@@ -390,6 +418,12 @@ bool value_read(struct deck_binding *b, const struct deck_key *key, struct deck_
         break;
     case VALUE_MATERIAL:
         ok = read_material(b, key, entry, base);
+        break;
+    case VALUE_MATERIALS:
+        ok = read_materials(b, key, entry, at);
+        break;
+    case VALUE_NAME:
+        ok = read_name(b, key, entry, at);
         break;
     case VALUE_BODY:
         ok = read_body(b, key, entry, at);

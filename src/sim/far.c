@@ -30,7 +30,7 @@ static inline double far_pair(const struct pair_law *law, double r2, double r0, 
         double inverse = 1.0 / r2, q = law->rm2 * inverse, q3 = q * q * q;
         if (energy != NULL)
             *energy = law->eps12 * (1.0 / 12.0) * (q3 * q3 - 2.0 * q3) - law->u_cut;
-        return law->eps12 * (q3 * q3 - q3) * inverse;
+        return (q3 * q3 - q3) * (law->eps12 * inverse);
     }
     double r = sqrt(r2), u, u_end, f = potential_force(law, r, r0, &u);
     if (energy != NULL) {
@@ -54,7 +54,7 @@ static inline void far_rows(struct pass *pass, const struct half_list *list, boo
         int64_t fx_i = 0, fy_i = 0;
         bool bad = false;
         for (uint32_t k = list->start[i]; k < list->start[i + 1]; k++) {
-            uint32_t j = list->j[k];
+            uint32_t j = list->j[k] / 2;
             double dx = lists_wrap(x - r[2 * (size_t)j], pass->period[0], pass->half[0]);
             double dy = lists_wrap(y - r[2 * (size_t)j + 1], pass->period[1], pass->half[1]);
             double r2 = dx * dx + dy * dy, energy = 0.0;
@@ -68,6 +68,10 @@ static inline void far_rows(struct pass *pass, const struct half_list *list, boo
             double f = far_pair(law, r2, r0, measure ? &energy : NULL), fs = f * scale;
             double fx = fs * dx, fy = fs * dy;
             bad |= !(r2 >= law->r2_least) | !(fabs(fx) < far_range) | !(fabs(fy) < far_range);
+            if (bad) { /* no integer to add */
+                note_bad(pass, i, j);
+                break;
+            }
             int64_t qx = far_to_fixed(fx), qy = far_to_fixed(fy);
             fx_i += qx;
             fy_i += qy;
@@ -88,15 +92,17 @@ static inline void far_rows(struct pass *pass, const struct half_list *list, boo
     }
 }
 
+/* Position and force sum of the element whose x is component c; the arrays are aligned to cache lines. */
+#define POSITION(c) (*(const simd_real2 *)(const void *)(r + (c)))
+#define FORCE(c) (*(simd_int2 *)(void *)(sum + (c)))
+
 /* One Lennard-Jones law for all, four pairs at a time: the plain loop in lanes. */
 DM2_INLINE void lennard_jones_rows(struct pass *pass, const struct half_list *list, bool periodic)
 {
     const struct pair_law *law = pass->m->laws;
     const double *r = pass->p->r, scale = pass->m->fixed.far_force, cutoff2 = law->cutoff2, rm2 = law->rm2;
-    const double eps12 = law->eps12;
+    const double strength = law->eps12 * scale; /* the scale is a power of two: exact */
     int64_t *sum = pass->p->far_sum;
-    const simd_real2 *r2d = (const simd_real2 *)(const void *)r; /* the arrays are aligned to cache lines */
-    simd_int2 *sum2d = (simd_int2 *)(void *)sum;
     const simd_real zero = {0.0}, period_x = zero + pass->period[0], period_y = zero + pass->period[1];
     const simd_real half_x = zero + pass->half[0], half_y = zero + pass->half[1];
     simd_real least = zero + INFINITY;
@@ -105,7 +111,7 @@ DM2_INLINE void lennard_jones_rows(struct pass *pass, const struct half_list *li
         simd_int fx_i = {0}, fy_i = {0};
         for (uint32_t k = list->start[i]; k < list->start[i + 1]; k += SIMD_LANES) {
             const uint32_t *j = list->j + k;
-            simd_real a = SIMD_JOIN(r2d[j[0]], r2d[j[2]]), b = SIMD_JOIN(r2d[j[1]], r2d[j[3]]);
+            simd_real a = SIMD_JOIN(POSITION(j[0]), POSITION(j[2])), b = SIMD_JOIN(POSITION(j[1]), POSITION(j[3]));
             simd_real dx = x - SIMD_EVEN(a, b), dy = y - SIMD_ODD(a, b);
             if (periodic) {
                 dx = dx - SIMD_CHOOSE(dx > half_x, period_x, zero) + SIMD_CHOOSE(dx < -half_x, period_x, zero);
@@ -114,17 +120,17 @@ DM2_INLINE void lennard_jones_rows(struct pass *pass, const struct half_list *li
             simd_real r2 = dx * dx + dy * dy;
             least = SIMD_CHOOSE(r2 < least, r2, least);
             simd_real inverse = 1.0 / r2, q = rm2 * inverse, q3 = q * q * q;
-            simd_real fs = eps12 * (q3 * q3 - q3) * inverse * scale;
+            simd_real fs = (q3 * q3 - q3) * (strength * inverse);
             fs = SIMD_CHOOSE(r2 <= cutoff2, fs, zero);
             simd_int qx = (simd_int)(fs * dx + shifter) - (simd_int)(zero + shifter);
             simd_int qy = (simd_int)(fs * dy + shifter) - (simd_int)(zero + shifter);
             fx_i += qx;
             fy_i += qy;
             union simd_int_halves even = {.all = SIMD_EVEN(qx, qy)}, odd = {.all = SIMD_ODD(qx, qy)};
-            sum2d[j[0]] -= even.half[0];
-            sum2d[j[1]] -= odd.half[0];
-            sum2d[j[2]] -= even.half[1];
-            sum2d[j[3]] -= odd.half[1];
+            FORCE(j[0]) -= even.half[0];
+            FORCE(j[1]) -= odd.half[0];
+            FORCE(j[2]) -= even.half[1];
+            FORCE(j[3]) -= odd.half[1];
         }
         sum[2 * i] += fx_i[0] + fx_i[1] + fx_i[2] + fx_i[3];
         sum[2 * i + 1] += fy_i[0] + fy_i[1] + fy_i[2] + fy_i[3];

@@ -118,6 +118,8 @@ static enum dm2_status make_element(struct generation *g, uint64_t grain, const 
     }
     if (isfinite(kind->cp))
         e.heat = e.mass * kind->cp * (b->temperature - kind->t0);
+    for (int a = 0; a < 2 && model->reaction.any; a++)
+        e.share[a] = material == model->reaction.reactant[a] ? 1.0 : 0.0;
     e.probes = probes_at(c, r);
     return g->sink(g->context, &e, err);
 }

@@ -117,6 +117,12 @@ static bool measure_element(const struct model *m, const struct particles *p, si
         work += share * leapfrog_kick_time(m, step) * drive_power(p, i, k);
     bool fits = exact_add(&out->kinetic, 0.5 * mass * (v[0] * v[0] + v[1] * v[1]) + 0.5 * spin * w, s->energy);
     fits &= exact_add(&out->thermal, p->heat[i] + k->heat_now + share * k->heat_damped, s->energy);
+    if (m->has_kinds) {
+        const struct kind *kind = &m->kinds[p->kind[i]];
+        double left = p->share[2 * i] + p->share[2 * i + 1];
+        fits &= exact_add(&out->chemical, m->reaction.heat * (mass * left), s->energy);
+        fits &= exact_add(&out->phase, mass * kind->energy + p->moved[i], s->energy);
+    }
     fits &= exact_add(&out->work, work, s->energy);
     fits &= exact_add(&out->momentum[0], mass * v[0], s->momentum);
     fits &= exact_add(&out->momentum[1], mass * v[1], s->momentum);

@@ -94,7 +94,7 @@ static void consider_near(struct builder *b, uint32_t i, uint32_t j, double r2)
     const struct particles *p = b->p;
     enum relation relation = relation_of(p->body[i], p->grain[i], p->body[j], p->grain[j]);
     const struct pair_law *law = model_law(b->m, p->kind[i], p->kind[j], relation);
-    double r0 = p->radius[i] + p->radius[j], reach = r0 + b->m->config->delta_r;
+    double r0 = p->radius[i] + p->radius[j], reach = r0 * b->m->growth + b->m->config->delta_r;
     if (b->initial && r2 < 0.25 * (r0 * r0) && !b->overlap) {
         b->overlap = true;
         b->close_a = i;
@@ -127,7 +127,7 @@ static inline void meet(struct builder *b, uint32_t i, uint32_t j)
     double dy = lists_wrap(r[2 * i + 1] - r[2 * j + 1], b->period[1], b->half[1]);
     double r2 = dx * dx + dy * dy;
     if (r2 <= b->far_reach2)
-        b->lists->far.j[b->far_count++] = j;
+        b->lists->far.j[b->far_count++] = 2 * j;
     if (r2 <= b->near_reach2)
         consider_near(b, i, j, r2);
 }
@@ -211,7 +211,7 @@ static int row_from_all(struct builder *b, uint32_t i)
 static void pad_row(struct builder *b)
 {
     while (b->far_count % SIMD_LANES != 0)
-        b->lists->far.j[b->far_count++] = (uint32_t)b->p->n;
+        b->lists->far.j[b->far_count++] = 2 * (uint32_t)b->p->n;
 }
 
 /* Gives the memory that row i carries over to its entries; a linked pair out of reach of contact gets its own. */

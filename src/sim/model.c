@@ -72,11 +72,12 @@ static enum dm2_status calibrate_centre(const struct material_config *a, const s
     return DM2_OK;
 }
 
-static enum dm2_status build_law(const struct config *c, int ia, int ib, enum relation relation, struct pair_law *law,
+static enum dm2_status build_law(const struct model *m, size_t ia, size_t ib, enum relation relation, struct pair_law *law,
                                  struct dm2_error *err)
 {
-    const struct material_config *a = &c->materials[ia], *b = &c->materials[ib];
-    struct interaction_config in = config_interaction(c, ia, ib, relation);
+    const struct config *c = m->config;
+    const struct material_config *a = m->kinds[ia].state, *b = m->kinds[ib].state;
+    struct interaction_config in = config_interaction(c, m->kinds[ia].material, m->kinds[ib].material, relation);
     *law = (struct pair_law){.potential = in.potential, .scope = in.scope, .initial_link = in.linked,
                              .a_p = in.a_p, .a_t = in.a_t, .t0_mean = 0.5 * (a->t0 + b->t0), .mu = in.mu,
                              .link_form = in.link_form, .link_break = in.link_break};
@@ -118,7 +119,7 @@ static enum dm2_status build_law(const struct config *c, int ia, int ib, enum re
 static void uniform_kinds(struct model *m)
 {
     const struct config *c = m->config;
-    double *radius = mem_zalloc(m->n_kinds, sizeof *radius); /* 0: no element yet, -1: several radii */
+    double *radius = mem_zalloc(c->n_materials, sizeof *radius); /* 0: no element yet, -1: several masses */
     if (radius == NULL)
         return;
     for (size_t b = 0; b < c->n_bodies; b++) {
@@ -127,18 +128,21 @@ static void uniform_kinds(struct model *m)
             *r = *r == 0.0 || *r == c->bodies[b].radius ? c->bodies[b].radius : -1.0;
         }
     }
+    if (m->reaction.any)
+        radius[m->reaction.product] = -1.0; /* made of elements of two materials */
     for (size_t a = 0; a < m->n_kinds; a++) {
         for (size_t b = 0; b < m->n_kinds; b++) {
-            if (radius[a] <= 0.0 || radius[b] <= 0.0)
+            size_t ia = (size_t)m->kinds[a].material, ib = (size_t)m->kinds[b].material;
+            if (radius[ia] <= 0.0 || radius[ib] <= 0.0)
                 continue;
-            double ma = model_element_mass(&c->materials[a], radius[a]);
-            double mb = model_element_mass(&c->materials[b], radius[b]);
+            double ma = model_element_mass(&c->materials[ia], radius[ia]);
+            double mb = model_element_mass(&c->materials[ib], radius[ib]);
             double root = sqrt((ma * mb) / (ma + mb));
             for (size_t rel = 0; rel < RELATION_COUNT; rel++) {
                 struct pair_law *law = &m->laws[(a * m->n_kinds + b) * RELATION_COUNT + rel];
                 law->cn_mass = law->cn * root;
                 law->ct_mass = law->ct * root;
-                law->bond = law_bond(law, radius[a] + radius[b]);
+                law->bond = law_bond(law, radius[ia] * m->kinds[a].size + radius[ib] * m->kinds[b].size);
                 law->wide = law->scope == SCOPE_LINKED && law->potential == POTENTIAL_MORSE && law->a_p == 0.0 &&
                             law->a_t == 0.0;
                 m->wide_near |= law->wide;
@@ -150,13 +154,12 @@ static void uniform_kinds(struct model *m)
 
 static enum dm2_status build_laws(struct model *m, struct dm2_error *err)
 {
-    const struct config *c = m->config;
     size_t n = m->n_kinds;
     for (size_t a = 0; a < n; a++) {
         for (size_t b = a; b < n; b++) {
             for (size_t rel = 0; rel < RELATION_COUNT; rel++) {
                 struct pair_law *law = &m->laws[(a * n + b) * RELATION_COUNT + rel];
-                enum dm2_status status = build_law(c, (int)a, (int)b, (enum relation)rel, law, err);
+                enum dm2_status status = build_law(m, a, b, (enum relation)rel, law, err);
                 if (status != DM2_OK)
                     return status;
                 struct pair_law *mirror = &m->laws[(b * n + a) * RELATION_COUNT + rel];
@@ -244,6 +247,14 @@ static void choose_scales(struct model *m)
     m->scales.temperature = 118 - e;
 }
 
+/* Can an element that starts as this material be of this kind? */
+static bool may_become(const struct model *m, int material, size_t kind)
+{
+    const struct reaction_table *x = &m->reaction;
+    bool reacts = x->any && (material == x->reactant[0] || material == x->reactant[1]);
+    return m->kinds[kind].material == material || (reacts && m->kinds[kind].material == x->product);
+}
+
 /* Where a Lennard-Jones force, scaled, reaches 2^50: far.c checks distances instead of forces. */
 static void far_ranges(struct model *m)
 {
@@ -269,9 +280,12 @@ static void stable_time_step(struct model *m)
     m->dt_mode = "nothing";
     for (size_t body = 0; body < c->n_bodies; body++) {
         for (size_t i = 0; i < c->bodies[body].n_mix; i++) {
-            size_t a = (size_t)c->bodies[body].mix_material[i];
-            double mass = model_element_mass(&c->materials[a], c->bodies[body].radius);
-            for (size_t b = 0; b < m->n_kinds; b++) {
+            int material = c->bodies[body].mix_material[i];
+            double mass = model_element_mass(&c->materials[material], c->bodies[body].radius);
+            for (size_t ab = 0; ab < m->n_kinds * m->n_kinds; ab++) {
+                size_t a = ab / m->n_kinds, b = ab % m->n_kinds;
+                if (!may_become(m, material, a))
+                    continue;
                 for (size_t rel = 0; rel < RELATION_COUNT; rel++) {
                     const struct pair_law *law = model_law(m, a, b, (enum relation)rel);
                     double kt = law->kt_link > law->kt_contact ? law->kt_link : law->kt_contact;
@@ -328,6 +342,68 @@ static enum dm2_status check_reach(const struct model *m, struct dm2_error *err)
     return DM2_OK;
 }
 
+/* The energy of a phase is that of the one it forms from, plus the latent heat, less what the difference of heat
+ * capacities makes up to the temperature at which the latent heat is meant. */
+static void build_kinds(struct model *m)
+{
+    const struct config *c = m->config;
+    double least = 1.0, most = 1.0;
+    for (size_t i = 0; i < m->n_kinds; i++) {
+        const struct phase_config *phase = i < c->n_materials ? NULL : &c->phases[i - c->n_materials];
+        const struct material_config *state = phase == NULL ? &c->materials[i] : &phase->state;
+        struct kind *kind = &m->kinds[i];
+        *kind = (struct kind){.material = phase == NULL ? (int)i : phase->material, .state = state, .phase = phase,
+                              .size = 1.0, .t0 = state->t0, .tm = or_else(state->tm, INFINITY),
+                              .softening = state->softening, .cp = or_else(state->cp, INFINITY)};
+        if (phase == NULL)
+            continue;
+        kind->from = phase->from < 0 ? (size_t)phase->material : c->n_materials + (size_t)phase->from;
+        const struct kind *from = &m->kinds[kind->from];
+        kind->energy = from->energy + phase->latent;
+        if (isfinite(kind->cp))
+            kind->energy -= (kind->cp - from->cp) * (phase->t_line - kind->t0);
+        double least_cp = kind->cp < from->cp ? kind->cp : from->cp;
+        double latent = phase->latent > 0.0 ? phase->latent : 0.0;
+        kind->hysteresis = phase->transition == TRANSITION_PRESSURE ? phase->hysteresis_p
+                                                                    : or_else(phase->hysteresis_t, 1.1 * latent / least_cp);
+        if (isnan(c->materials[phase->material].mass))
+            kind->size = sqrt(c->materials[phase->material].rho0 / state->rho0);
+        least = kind->size < least ? kind->size : least;
+        most = kind->size > most ? kind->size : most;
+    }
+    m->growth = most / least;
+    m->radius_max *= most;
+    m->has_phases = c->n_phases > 0;
+    m->has_kinds = m->has_phases || c->n_reactions > 0;
+}
+
+static void build_reaction(struct model *m)
+{
+    const struct config *c = m->config;
+    if (c->n_reactions == 0)
+        return;
+    const double gas_constant = 8.31446261815324e-5; /* g cm2/us2/mol/K; CODATA 2018, 8.31446261815324 J/mol/K */
+    const struct reaction_config *r = &c->reactions[0];
+    double least = INFINITY, mass = 0.0;
+    for (size_t b = 0; b < c->n_bodies; b++) {
+        least = c->bodies[b].radius < least ? c->bodies[b].radius : least;
+        for (size_t i = 0; i < c->bodies[b].n_mix; i++) {
+            double one = model_element_mass(&c->materials[c->bodies[b].mix_material[i]], c->bodies[b].radius);
+            mass = one > mass ? one : mass;
+        }
+    }
+    m->reaction = (struct reaction_table){.any = true, .reactant = {r->reactant[0], r->reactant[1]},
+                                          .product = r->product, .stoichiometric = r->kind == REACTION_STOICHIOMETRIC,
+                                          .share = {0.5, 0.5}, .k0 = r->k0, .theta = r->ea / gas_constant,
+                                          .heat = r->heat, .threshold = r->threshold,
+                                          .mass_scale = fixed_scale(mass, 56)};
+    for (int a = 0; a < 2 && m->reaction.stoichiometric; a++)
+        m->reaction.share[a] = r->masses[a] / (r->masses[0] + r->masses[1]);
+    /* Equal discs have six neighbours, eight when crushed; a large one may touch up to the 64 that sums allow. */
+    m->reaction.limit = m->radius_max <= 1.5 * least ? 1.0 / 8.0 : 1.0 / 64.0;
+    m->has_heat = true;
+}
+
 enum dm2_status model_build(const struct config *config, struct model **out, struct dm2_error *err)
 {
     enum dm2_status status = DM2_MEMORY;
@@ -336,19 +412,19 @@ enum dm2_status model_build(const struct config *config, struct model **out, str
     if (m == NULL)
         goto no_memory;
     m->config = config;
-    m->n_kinds = config->n_materials;
+    m->n_kinds = config->n_materials + config->n_phases;
     m->kinds = mem_zalloc(m->n_kinds, sizeof *m->kinds);
     m->laws = mem_zalloc(m->n_kinds * m->n_kinds * RELATION_COUNT, sizeof *m->laws);
     if (m->kinds == NULL || m->laws == NULL)
         goto no_memory;
     for (size_t b = 0; b < config->n_bodies; b++)
         m->radius_max = config->bodies[b].radius > m->radius_max ? config->bodies[b].radius : m->radius_max;
-    for (size_t i = 0; i < m->n_kinds; i++) {
-        const struct material_config *mat = &config->materials[i];
-        m->kinds[i] = (struct kind){.material = (int)i, .t0 = mat->t0, .tm = or_else(mat->tm, INFINITY),
-                                    .softening = mat->softening, .cp = or_else(mat->cp, INFINITY)};
-    }
+    build_kinds(m);
+    build_reaction(m);
     status = build_laws(m, err);
+    if (status == DM2_OK && m->has_kinds && m->has_far)
+        status = dm2_fail(err, DM2_DECK, "phases and reactions need interactions of scope linked: their energies are those of "
+                                         "linked and contacting pairs");
     if (status == DM2_OK)
         status = check_reach(m, err);
     for (size_t i = 0; i < m->n_kinds; i++)

@@ -114,7 +114,7 @@ DM2_INLINE bool batch_interact(const struct pass *pass, struct lists *l, const s
         vt = vt - (OF_I(p->w) * arm_i + OF_J(p->w) * arm_j);
         simd_real kt = LAW(kt_link);
         simd_real yield_i = LAW(yield_i) * soft_i, yield_j = LAW(yield_j) * soft_j;
-        simd_real held = 0x1.bb67ae8584cabp-1 * LESSER(yield_i, yield_j) * area; /* 1.5/sqrt(3) */
+        simd_real held = LESSER(yield_i, yield_j) * area;
         spring = spring + vt * pass->dt_path;
         simd_int slips = kt * MAGNITUDE(spring) > held;
         if (any(&slips)) {

@@ -19,6 +19,7 @@ static const struct column columns[] = {
     COLUMN(temperature, 1), COLUMN(soft, 1), COLUMN(p, 1), COLUMN(heat, 1),   COLUMN(work, 1),
     COLUMN(id, 1),     COLUMN(grain, 1), COLUMN(kind, 1),  COLUMN(body, 1),    COLUMN(flags, 1),
     COLUMN(probes, 1), COLUMN(strain, 3), COLUMN(bonds, 1),
+    COLUMN(share, 2),  COLUMN(moved, 1), COLUMN(was, 1),
     /* what only one force evaluation needs */
     COLUMN(far_sum, 2), COLUMN(pair_sum, SUM_COUNT), COLUMN(virial, 3), COLUMN(around, AROUND_COUNT),
     COLUMN(links, 1), COLUMN(contacts, 1),
@@ -78,7 +79,8 @@ void particles_get(const struct particles *p, size_t i, struct element *out)
                             .r = {p->r[2 * i], p->r[2 * i + 1]}, .v = {p->v[2 * i], p->v[2 * i + 1]}, .w = p->w[i],
                             .heat = p->heat[i], .p = p->p[i], .work = p->work[i],
                             .strain = {p->strain[3 * i], p->strain[3 * i + 1], p->strain[3 * i + 2]},
-                            .bonds = p->bonds[i]};
+                            .share = {p->share[2 * i], p->share[2 * i + 1]}, .moved = p->moved[i],
+                            .was = p->was[i], .bonds = p->bonds[i]};
 }
 
 void particles_put(struct particles *p, const struct model *m, size_t i, const struct element *in)
@@ -86,6 +88,7 @@ void particles_put(struct particles *p, const struct model *m, size_t i, const s
     for (int a = 0; a < 2; a++) {
         p->r[2 * i + (size_t)a] = in->r[a];
         p->v[2 * i + (size_t)a] = in->v[a];
+        p->share[2 * i + (size_t)a] = in->share[a];
     }
     p->w[i] = in->w;
     p->radius[i] = in->radius;
@@ -101,6 +104,8 @@ void particles_put(struct particles *p, const struct model *m, size_t i, const s
     p->probes[i] = in->probes;
     memcpy(p->strain + 3 * i, in->strain, sizeof in->strain);
     p->bonds[i] = in->bonds;
+    p->moved[i] = in->moved;
+    p->was[i] = in->was;
     particles_warm(p, m, i);
 }
 
@@ -145,9 +150,24 @@ double particles_softening(const struct kind *kind, double temperature)
     return 1.0 - real_pow((temperature - kind->t0) / (kind->tm - kind->t0), kind->softening);
 }
 
+double particles_heat_capacity(const struct particles *p, const struct model *m, size_t i)
+{
+    const struct reaction_table *x = &m->reaction;
+    const struct kind *kind = &m->kinds[p->kind[i]];
+    if (!x->any || (kind->material != x->reactant[0] && kind->material != x->reactant[1] && kind->material != x->product))
+        return kind->cp;
+    const int material[3] = {x->reactant[0], x->reactant[1], x->product};
+    const double part[3] = {p->share[2 * i], p->share[2 * i + 1], 1.0 - p->share[2 * i] - p->share[2 * i + 1]};
+    double cp = 0.0;
+    for (int k = 0; k < 3; k++)
+        cp += part[k] * (material[k] == kind->material ? kind->cp : m->kinds[material[k]].cp);
+    return cp;
+}
+
 void particles_warm(struct particles *p, const struct model *m, size_t i)
 {
     const struct kind *kind = &m->kinds[p->kind[i]];
-    p->temperature[i] = isfinite(kind->cp) ? kind->t0 + p->heat[i] / (p->mass[i] * kind->cp) : kind->t0;
+    double cp = particles_heat_capacity(p, m, i);
+    p->temperature[i] = isfinite(cp) ? kind->t0 + p->heat[i] / (p->mass[i] * cp) : kind->t0;
     p->soft[i] = particles_softening(kind, p->temperature[i]);
 }

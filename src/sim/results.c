@@ -273,6 +273,8 @@ static void write_header(struct results *r)
         {"potential", "g cm2/us2"},
         {"elastic", "g cm2/us2"},
         {"thermal", "g cm2/us2"},
+        {"chemical", "g cm2/us2"},
+        {"phase", "g cm2/us2"},
         {"work", "g cm2/us2"},
         {"total", "g cm2/us2"},
         {"momentum_x", "g cm/us"},
@@ -310,7 +312,7 @@ static void add_number(struct file_out *f, double x)
     file_write(f, text, length + 1);
 }
 
-/* kinetic + potential + elastic + thermal - work, without a rounding between. */
+/* kinetic + potential + elastic + thermal + chemical + phase - work, without a rounding between. */
 static struct exact_sum conserved(const struct measures *m)
 {
     struct exact_sum sum = m->work;
@@ -320,6 +322,8 @@ static struct exact_sum conserved(const struct measures *m)
     exact_merge(&sum, &m->potential);
     exact_merge(&sum, &m->elastic);
     exact_merge(&sum, &m->thermal);
+    exact_merge(&sum, &m->chemical);
+    exact_merge(&sum, &m->phase);
     return sum;
 }
 
@@ -340,8 +344,8 @@ enum dm2_status results_history(struct results *r, int64_t step, const struct me
         return DM2_OK;
     r->history_step = step;
     struct exact_sum total = conserved(m);
-    const struct exact_sum *energies[] = {&m->kinetic, &m->potential, &m->elastic,
-                                          &m->thermal, &m->work,      &total};
+    const struct exact_sum *energies[] = {&m->kinetic,  &m->potential, &m->elastic, &m->thermal,
+                                          &m->chemical, &m->phase,     &m->work,    &total};
     file_printf(f, "%" PRId64, step);
     add_number(f, (double)step * r->config->dt);
     for (size_t i = 0; i < sizeof energies / sizeof energies[0]; i++)

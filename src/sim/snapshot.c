@@ -21,13 +21,13 @@
 
 /* --- what is written of each element -------------------------------------------------------------------- */
 
-enum number_type { TYPE_U16, TYPE_U32, TYPE_I64, TYPE_F64 };
+enum number_type { TYPE_U16, TYPE_U32, TYPE_I32, TYPE_I64, TYPE_F64 };
 
 static const struct {
     const char *vtk;
     size_t bytes;
     char xyz;
-} type_info[] = {{"UInt16", 2, 'I'}, {"UInt32", 4, 'I'}, {"Int64", 8, 'I'}, {"Float64", 8, 'R'}};
+} type_info[] = {{"UInt16", 2, 'I'}, {"UInt32", 4, 'I'}, {"Int32", 4, 'I'}, {"Int64", 8, 'I'}, {"Float64", 8, 'R'}};
 
 struct field {
     const char *name;
@@ -99,6 +99,38 @@ static void get_stress(const struct snapshot *s, size_t i, double out[3])
     memcpy(out, s->measured[i].stress, sizeof s->measured[i].stress);
 }
 
+/* Which phase of its material: 0 the first, then in deck order. */
+static void get_phase(const struct snapshot *s, size_t i, double out[3])
+{
+    const struct config *c = s->config;
+    size_t kind = s->elements[i].kind, phase = 0;
+    for (size_t k = c->n_materials; k <= kind && k < c->n_materials + c->n_phases; k++)
+        phase += c->phases[k - c->n_materials].material == c->phases[kind - c->n_materials].material;
+    out[0] = (double)phase;
+}
+
+static bool has_phases(const struct snapshot *s)
+{
+    return s->config->n_phases > 0;
+}
+
+static bool has_composition(const struct snapshot *s)
+{
+    return s->config->n_reactions > 0;
+}
+
+static void get_composition(const struct snapshot *s, size_t i, double out[3])
+{
+    const struct reaction_config *r = &s->config->reactions[0];
+    const struct config *c = s->config;
+    size_t kind = s->elements[i].kind;
+    int material = kind < c->n_materials ? (int)kind : c->phases[kind - c->n_materials].material;
+    bool takes_part = material == r->reactant[0] || material == r->reactant[1] || material == r->product;
+    out[0] = s->elements[i].share[0];
+    out[1] = s->elements[i].share[1];
+    out[2] = takes_part ? 1.0 - out[0] - out[1] : 0.0;
+}
+
 static void get_links(const struct snapshot *s, size_t i, double out[3])
 {
     out[0] = s->measured[i].links;
@@ -154,6 +186,8 @@ static const struct field fields[] = {
     {"temperature", "temperature", TYPE_F64, 1, {NULL, NULL, NULL}, get_temperature, NULL},
     {"pressure", "pressure", TYPE_F64, 1, {NULL, NULL, NULL}, get_pressure, NULL},
     {"stress", NULL, TYPE_F64, 3, {"xx", "yy", "xy"}, get_stress, NULL},
+    {"phase", "phase", TYPE_U16, 1, {NULL, NULL, NULL}, get_phase, has_phases},
+    {"composition", NULL, TYPE_F64, 3, {"a", "b", "product"}, get_composition, has_composition},
     {"links", "links", TYPE_U32, 1, {NULL, NULL, NULL}, get_links, NULL},
     {"contacts", "contacts", TYPE_U32, 1, {NULL, NULL, NULL}, get_contacts, NULL},
     {"bonds", "bonds", TYPE_U16, 1, {NULL, NULL, NULL}, get_bonds, NULL},
@@ -251,24 +285,34 @@ static void write_field(struct base64 *b, const struct field *f, const struct sn
     array_close(b);
 }
 
-static const struct field connectivity = {"connectivity", NULL, TYPE_I64, 1, {NULL, NULL, NULL}, NULL, NULL};
-static const struct field offsets = {"offsets", NULL, TYPE_I64, 1, {NULL, NULL, NULL}, NULL, NULL};
+static const struct field connectivity[] = {{"connectivity", NULL, TYPE_I32, 1, {NULL, NULL, NULL}, NULL, NULL},
+                                            {"connectivity", NULL, TYPE_I64, 1, {NULL, NULL, NULL}, NULL, NULL}};
+static const struct field offsets[] = {{"offsets", NULL, TYPE_I32, 1, {NULL, NULL, NULL}, NULL, NULL},
+                                       {"offsets", NULL, TYPE_I64, 1, {NULL, NULL, NULL}, NULL, NULL}};
+
+/* Cells are a third of the file, so their numbers are 32 bits wide where they fit. */
+static bool is_long(size_t largest)
+{
+    return largest > INT32_MAX;
+}
 
 /* Offsets of n cells with `points` points each. */
 static void write_offsets(struct base64 *b, size_t n, size_t points)
 {
-    array_open(b, &offsets, n);
+    const struct field *f = &offsets[is_long(n * points)];
+    array_open(b, f, n);
     for (size_t i = 1; i <= n; i++)
-        base64_put(b, (uint64_t)(i * points), 8);
+        base64_put(b, (uint64_t)(i * points), type_info[f->type].bytes);
     array_close(b);
 }
 
 static void write_vertices(struct base64 *b, size_t n)
 {
     file_puts(b->file, "      <Verts>\n");
-    array_open(b, &connectivity, n);
+    const struct field *f = &connectivity[is_long(n)];
+    array_open(b, f, n);
     for (size_t i = 0; i < n; i++)
-        base64_put(b, (uint64_t)i, 8);
+        base64_put(b, (uint64_t)i, type_info[f->type].bytes);
     array_close(b);
     write_offsets(b, n, 1);
     file_puts(b->file, "      </Verts>\n");
@@ -293,12 +337,13 @@ static bool is_line(const struct snapshot *s, const struct pair_record *pair, si
 static void write_lines(struct base64 *b, const struct snapshot *s, size_t n_lines)
 {
     size_t end[2];
+    const struct field *f = &connectivity[is_long(s->n_elements)];
     file_puts(b->file, "      <Lines>\n");
-    array_open(b, &connectivity, 2 * n_lines);
+    array_open(b, f, 2 * n_lines);
     for (size_t p = 0; p < s->n_pairs; p++) {
         if (is_line(s, &s->pairs[p], end)) {
-            base64_put(b, end[0], 8);
-            base64_put(b, end[1], 8);
+            base64_put(b, end[0], type_info[f->type].bytes);
+            base64_put(b, end[1], type_info[f->type].bytes);
         }
     }
     array_close(b);
@@ -348,9 +393,10 @@ static void write_field_data(struct file_out *f, const struct snapshot *s)
         "      <DataArray type=\"UInt8\" Name=\"periodic\" NumberOfTuples=\"2\" format=\"ascii\">%d %d"
         "</DataArray>\n",
         c->periodic[0], c->periodic[1]);
-    string_array_open(f, "materials", c->n_materials);
-    for (size_t m = 0; m < c->n_materials; m++)
-        write_string(f, c->materials[m].name);
+    struct kind_name name;
+    string_array_open(f, "materials", c->n_materials + c->n_phases);
+    for (size_t m = 0; m < c->n_materials + c->n_phases; m++)
+        write_string(f, config_kind_name(c, m, &name));
     file_puts(f, "</Array>\n");
     string_array_open(f, "bodies", c->n_bodies);
     for (size_t m = 0; m < c->n_bodies; m++)
@@ -497,8 +543,9 @@ enum dm2_status snapshot_write_xyz(const char *path, const struct snapshot *s, s
     write_comment_line(&f, s);
     for (size_t i = 0; i < s->n_elements; i++) {
         unsigned kind = s->elements[i].kind;
-        if (kind < s->config->n_materials)
-            file_puts(&f, s->config->materials[kind].name);
+        struct kind_name name;
+        if (kind < s->config->n_materials + s->config->n_phases)
+            file_puts(&f, config_kind_name(s->config, kind, &name));
         else
             file_printf(&f, "kind%u", kind);
         write_columns(&f, &position_field, s, i);

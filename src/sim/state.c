@@ -23,7 +23,7 @@ static const char magic[8] = {'D', 'M', '2', 'S', 'T', 'A', 'T', 'E'};
 
 enum {
     HEADER_BYTES = 8 + 4 + STATE_DIGEST_BYTES + 3 * 8,
-    ELEMENT_BYTES = 4 + 4 + 2 + 2 + 1 + 1 + 9 * 8 + 4 * 8 + 2,
+    ELEMENT_BYTES = 4 + 4 + 2 + 2 + 1 + 1 + 9 * 8 + 4 * 8 + 2 + 3 * 8 + 2,
     PAIR_BYTES = 4 + 4 + 1 + 2 * 8,
     CRC_BYTES = 4,
     BLOCK_BYTES = 1 << 16
@@ -66,6 +66,9 @@ static void put_element(struct bytes_writer *w, const struct element *e)
     bytes_put_f64(w, e->work);
     bytes_put_f64s(w, e->strain, 3);
     bytes_put_u16(w, e->bonds);
+    bytes_put_u16(w, e->was);
+    bytes_put_f64s(w, e->share, 2);
+    bytes_put_f64(w, e->moved);
 }
 
 static void put_pair(struct bytes_writer *w, const struct pair_record *p)
@@ -192,13 +195,17 @@ static void get_element(struct bytes_reader *r, struct element *e)
     e->work = bytes_get_f64(r);
     bytes_get_f64s(r, e->strain, 3);
     e->bonds = bytes_get_u16(r);
+    e->was = bytes_get_u16(r);
+    bytes_get_f64s(r, e->share, 2);
+    e->moved = bytes_get_f64(r);
 }
 
 /* NULL, or what is wrong with the element. */
 static const char *fault_of_element(const struct element *e, const struct element *before)
 {
     const double numbers[] = {e->radius, e->mass, e->r[0],  e->r[1],      e->v[0],      e->v[1],     e->w,
-                              e->heat,   e->p,    e->work, e->strain[0], e->strain[1], e->strain[2]};
+                              e->heat,   e->p,    e->work, e->strain[0], e->strain[1], e->strain[2], e->share[0],
+                              e->share[1], e->moved};
     for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++)
         if (!isfinite(numbers[k]))
             return "has a number that is not finite";

@@ -22,6 +22,8 @@
 #include "dm2/sim/generate.h"
 #include "dm2/sim/leapfrog.h"
 #include "dm2/sim/lists.h"
+#include "dm2/sim/phase.h"
+#include "dm2/sim/reaction.h"
 #include "dm2/sim/strain.h"
 
 /* A block that is kept from rebuild to rebuild: getting a large one anew costs more than filling it. */
@@ -82,6 +84,7 @@ struct subdomain {
     size_t n_leaving;      /* emigrants of the last sort_out, still in their slots until take_in */
     struct pair_totals totals;
     struct strain_sums strain;
+    struct reaction_sums reacted; /* of the last evaluation */
     bool measured;         /* totals, virial, surroundings, links and contacts are of the present step */
     struct subdomain_times times;
 };
@@ -340,6 +343,11 @@ struct intake {
     size_t n_newcomers, n_mirrors;
 };
 
+static bool kinds_known(const struct model *m, const struct element *e)
+{
+    return e->kind < m->n_kinds && e->was < m->n_kinds;
+}
+
 static enum dm2_status gather(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels, struct intake *in,
                               struct dm2_error *err)
 {
@@ -355,7 +363,7 @@ static enum dm2_status gather(struct subdomain *sd, const struct parcel *parcels
     for (size_t q = 0; q < n_parcels; q++) {
         for (size_t k = 0; k < parcels[q].n_migrants; k++) {
             const struct element *e = &parcels[q].migrants[k];
-            if (e->kind >= sd->model->n_kinds || sd->map.owner[cell_of_element(sd, e->r)] != sd->rank)
+            if (!kinds_known(sd->model, e) || sd->map.owner[cell_of_element(sd, e->r)] != sd->rank)
                 return dm2_fail(err, DM2_PROTOCOL, "step %lld: element %u at (%g, %g) cm came to server %d, which does not own "
                                 "its cell", (long long)sd->step, e->id, e->r[0], e->r[1], sd->rank);
             in->newcomers[in->n_newcomers++] = e;
@@ -363,7 +371,7 @@ static enum dm2_status gather(struct subdomain *sd, const struct parcel *parcels
         for (size_t k = 0; k < parcels[q].n_mirrors; k++) {
             const struct element *e = &parcels[q].mirrors[k];
             int cell = cell_of_element(sd, e->r);
-            if (e->kind >= sd->model->n_kinds || sd->cells.local_of[cell] < sd->cells.n_own)
+            if (!kinds_known(sd->model, e) || sd->cells.local_of[cell] < sd->cells.n_own)
                 return dm2_fail(err, DM2_PROTOCOL, "step %lld: element %u at (%g, %g) cm came as a mirror to server %d, which does "
                                 "not mirror its cell", (long long)sd->step, e->id, e->r[0], e->r[1], sd->rank);
             in->mirrors[in->n_mirrors++] = (struct keyed){(uint64_t)sd->map.owner[cell] << 32 | e->id, e};
@@ -551,6 +559,7 @@ void subdomain_free(struct subdomain *sd)
     strain_free(&sd->strain);
     idmap_free(&sd->ids);
     free(sd->cell_of);
+    free(sd->reacted.item);
     free(sd->from.item);
     free(sd->moved.item);
     free(sd->old_id.item);
@@ -577,7 +586,8 @@ size_t subdomain_bytes(const struct subdomain *sd)
 {
     size_t bytes = sizeof *sd + particles_bytes(&sd->p) + lists_bytes(&sd->lists) + cells_bytes(&sd->cells, &sd->map) +
                    sd->cell_cap * sizeof *sd->cell_of + sd->ids.slots * 8 + sd->from.cap + sd->moved.cap + sd->old_id.cap +
-                   sd->carried.cap * sizeof *sd->carried.item + sd->strain.cap * STRAIN_SUMS * sizeof *sd->strain.sum;
+                   sd->carried.cap * sizeof *sd->carried.item + sd->strain.cap * STRAIN_SUMS * sizeof *sd->strain.sum +
+                   sd->reacted.cap * sizeof *sd->reacted.item;
     for (int r = 0; r < sd->map.ranks; r++)
         bytes += sd->peers[r].send.cap * sizeof(uint32_t) +
                  (sd->peers[r].migrants.cap + sd->peers[r].mirrors.cap) * sizeof(struct element) +
@@ -590,12 +600,16 @@ size_t subdomain_bytes(const struct subdomain *sd)
 enum dm2_status subdomain_forces(struct subdomain *sd, bool measure, struct dm2_error *err)
 {
     double started = clock_now();
-    bool totals = measure || sd->model->has_pressure;
-    enum dm2_status status =
-        force_evaluate(sd->model, &sd->p, &sd->lists, leapfrog_kick_time(sd->model, sd->step),
+    const struct model *m = sd->model;
+    bool pressure = m->has_pressure || m->has_phases, totals = measure || pressure;
+    enum dm2_status status = m->has_kinds ? phase_account(m, &sd->p, &sd->lists, sd->step, err) : DM2_OK;
+    if (status == DM2_OK)
+        status = force_evaluate(sd->model, &sd->p, &sd->lists, leapfrog_kick_time(sd->model, sd->step),
                        leapfrog_path_time(sd->model, sd->step), totals ? &sd->totals : NULL, sd->step, err);
-    if (status == DM2_OK && sd->model->has_pressure)
-        leapfrog_set_pressure(sd->model, &sd->p);
+    if (status == DM2_OK && m->reaction.any)
+        status = reaction_evaluate(m, &sd->p, &sd->lists, leapfrog_kick_time(m, sd->step), sd->step, &sd->reacted, err);
+    if (status == DM2_OK && pressure)
+        leapfrog_set_pressure(m, &sd->p);
     if (status == DM2_OK && sd->model->has_strain)
         status = strain_add(sd->model, &sd->p, &sd->lists, leapfrog_path_time(sd->model, sd->step), sd->step,
                             &sd->strain, err);
@@ -623,6 +637,10 @@ static enum dm2_status integrate(struct subdomain *sd, bool drift, double *dmax,
 enum dm2_status subdomain_move(struct subdomain *sd, double *dmax, struct measures *out, struct dm2_error *err)
 {
     enum dm2_status status = integrate(sd, true, dmax, out, err);
+    if (status == DM2_OK && sd->model->reaction.any)
+        status = reaction_apply(sd->model, &sd->p, &sd->reacted, sd->step, err);
+    if (status == DM2_OK && sd->model->has_phases)
+        phase_apply(sd->model, &sd->p);
     sd->step++;
     sd->measured = false;
     return status;
@@ -650,13 +668,15 @@ static bool needs_velocity(const struct model *m)
 unsigned subdomain_update_fields(const struct model *m)
 {
     return (needs_velocity(m) ? UPDATE_VELOCITY : 0u) | (m->has_spin ? UPDATE_SPIN : 0u) |
-           (m->has_heat ? UPDATE_HEAT : 0u) | (m->has_pressure ? UPDATE_PRESSURE : 0u);
+           (m->has_heat ? UPDATE_HEAT : 0u) | (m->has_pressure ? UPDATE_PRESSURE : 0u) |
+           (m->has_kinds ? UPDATE_KIND : 0u) | (m->reaction.any ? UPDATE_COMPOSITION : 0u);
 }
 
 size_t subdomain_update_width(const struct model *m)
 {
     return 2u + (needs_velocity(m) ? 2u : 0u) + (m->has_spin ? 1u : 0u) + (m->has_heat ? 1u : 0u) +
-           (m->has_pressure ? 1u : 0u);
+           (m->has_pressure ? 1u : 0u) +
+           (m->has_kinds ? 1u : 0u) + (m->reaction.any ? 2u : 0u);
 }
 
 size_t subdomain_send_count(const struct subdomain *sd, int dest)
@@ -688,7 +708,21 @@ void subdomain_pack_update(const struct subdomain *sd, int dest, double *out)
             *out++ = p->heat[i];
         if (m->has_pressure)
             *out++ = p->p[i];
+        if (m->has_kinds)
+            *out++ = (double)p->kind[i] + 65536.0 * (double)p->was[i];
+        for (size_t a = 0; a < 2 && m->reaction.any; a++)
+            *out++ = p->share[2 * i + a];
     }
+}
+
+/* Kind and the kind before, as one number of an update. False: there are none such. */
+static bool take_kind(const struct model *m, struct particles *p, size_t i, double packed)
+{
+    double was = floor(packed / 65536.0), kind = packed - 65536.0 * was, most = (double)m->n_kinds;
+    if (!(was >= 0.0 && was < most && kind < most && kind == floor(kind)))
+        return false;
+    phase_follow(m, p, i, (size_t)was, (size_t)kind);
+    return true;
 }
 
 enum dm2_status subdomain_take_update(struct subdomain *sd, int src, const double *in, struct dm2_error *err)
@@ -712,12 +746,17 @@ enum dm2_status subdomain_take_update(struct subdomain *sd, int src, const doubl
         }
         if (m->has_spin)
             p->w[i] = in[k++];
-        if (m->has_heat) {
+        if (m->has_heat)
             p->heat[i] = in[k++];
-            particles_warm(p, m, i);
-        }
         if (m->has_pressure)
             p->p[i] = in[k++];
+        if (m->has_kinds && !take_kind(m, p, i, in[k++]))
+            return dm2_fail(err, DM2_PROTOCOL, "step %lld: the update of element %u from server %d names a kind that the deck "
+                            "does not have", (long long)sd->step, p->id[i], src);
+        for (size_t a = 0; a < 2 && m->reaction.any; a++)
+            p->share[2 * i + a] = in[k++];
+        if (m->has_heat || m->has_kinds)
+            particles_warm(p, m, i);
     }
     return DM2_OK;
 }

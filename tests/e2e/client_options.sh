@@ -69,7 +69,7 @@ kill -0 "$first_pid" || fail "the server is gone"
 
 # A server that strangers could reach is refused.
 expect_status 2 "$server" --listen 0.0.0.0 --port 0
-expect_text err 'ssh -L'
+expect_text err 'needs a key: dm2-server --new-key FILE'
 expect_status 2 "$server" --listen :: --port 0
 expect_status 2 "$server" --port 70000
 expect_status 2 "$server" extra

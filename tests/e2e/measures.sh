@@ -28,4 +28,9 @@ first=$(sed -n 2p one/fragments.csv | cut -d, -f3-) last=$(sed -n 4p one/fragmen
 [ "$last" != "$first" ] || fail "nothing broke or joined: $(cat one/fragments.csv)"
 ls many | grep part && fail "something half-written is left"
 
+# Each array that a snapshot has can be drawn.
+for colour in temperature pressure damage fragment strain strain-xy grain material bonds; do
+    expect_status 0 "$DM2_BIN/dm2-plot" snapshot one/snapshots/state-000000120.vtp --colour $colour -o picture.svg
+done
+expect_status 0 "$DM2_BIN/dm2-plot" chart one/profile-across.csv --x x --y vx --by time -o chart.svg
 exit 0

@@ -43,7 +43,7 @@ refuses 1 'cut.vtp:' "$plot" snapshot cut.vtp
 
 printf 'step,time [us],kinetic [erg],thermal [erg]\n0,0,3,0\n1,0.5,2,1\n2,1,1.5,1.5\n' >history.csv
 expect_status 0 "$plot" chart history.csv --x time --y kinetic,thermal --title Energies
-for part in '>Energies<' '>time [us]<' '>[erg]<' '>kinetic<' '>thermal<'; do
+for part in '>Energies<' '>time [µs]<' '>[erg]<' '>kinetic<' '>thermal<'; do
     expect_text history.svg "$part"
 done
 expect_status 0 "$plot" chart history.csv --x step --y kinetic --log-y -o other.svg

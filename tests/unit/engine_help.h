@@ -228,7 +228,8 @@ static inline bool engine_same_element(const struct element *a, const struct ele
            memcmp(&a->mass, &b->mass, sizeof a->mass) == 0 && memcmp(a->r, b->r, sizeof a->r) == 0 &&
            memcmp(a->v, b->v, sizeof a->v) == 0 && memcmp(&a->w, &b->w, sizeof a->w) == 0 &&
            memcmp(&a->heat, &b->heat, sizeof a->heat) == 0 && memcmp(&a->p, &b->p, sizeof a->p) == 0 &&
-           memcmp(&a->work, &b->work, sizeof a->work) == 0 &&
+           memcmp(&a->work, &b->work, sizeof a->work) == 0 && a->was == b->was &&
+           memcmp(a->share, b->share, sizeof a->share) == 0 && memcmp(&a->moved, &b->moved, sizeof a->moved) == 0 &&
            memcmp(a->strain, b->strain, sizeof a->strain) == 0 && a->bonds == b->bonds;
 }
 
@@ -256,7 +257,7 @@ static inline void engine_check_same(const struct engine_state *got, const struc
                  want->pair[p].spring);
 }
 
-/* kinetic + potential + elastic + thermal - work, which an exact integration keeps. */
+/* kinetic + potential + elastic + thermal + chemical + phase - work, which an exact integration keeps. */
 static inline double engine_total(const struct engine *g, const struct measures *m)
 {
     struct exact_sum total = m->kinetic, minus = {.hi = ~m->work.hi, .lo = ~m->work.lo};
@@ -264,6 +265,8 @@ static inline double engine_total(const struct engine *g, const struct measures 
     exact_merge(&total, &m->potential);
     exact_merge(&total, &m->elastic);
     exact_merge(&total, &m->thermal);
+    exact_merge(&total, &m->chemical);
+    exact_merge(&total, &m->phase);
     exact_merge(&total, &minus); /* less one quantum */
     return exact_value(&total, shift);
 }

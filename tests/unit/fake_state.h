@@ -41,6 +41,9 @@ static inline void fake_element(struct element *e, struct element_measure *m, si
         .work = 1e-4 * (double)i,
         .strain = {1e-3 * (double)i, -1e-3, 2e-5 / (double)(i + 1)},
         .bonds = 6,
+        .was = (uint16_t)(i % 2),
+        .share = {0.5, 0.25 / (double)(i + 1)},
+        .moved = -1e-7 * (double)i,
     };
     *m = (struct element_measure){
         .stress = {1e-4 * (double)i, -2e-4 / (double)(i + 1), 1e-5},

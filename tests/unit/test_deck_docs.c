@@ -37,6 +37,10 @@ static void value_text(const struct deck_key *key, char *out, size_t size)
     case VALUE_BODY:
         (void)snprintf(out, size, "name");
         break;
+    case VALUE_MATERIALS:
+    case VALUE_NAME:
+        (void)snprintf(out, size, key->count > 1 ? "names" : "name");
+        break;
     case VALUE_MIX:
         (void)snprintf(out, size, "names and numbers");
         break;

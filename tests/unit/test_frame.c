@@ -299,7 +299,87 @@ TEST(listen_connect_accept)
     CHECK_CONTAINS(err.text, "no dm2-server listens there");
 }
 
-TEST_MAIN(CASE(frames_arrive), CASE(frames_arrive_byte_by_byte), CASE(a_large_frame_in_many_pieces),
+static void open_keyed_pair(void)
+{
+    unsigned char a[SIPHASH_KEY], b[SIPHASH_KEY];
+    memset(a, 1, sizeof a);
+    memset(b, 2, sizeof b);
+    open_pair();
+    channel_use_keys(&left, a, b);
+    channel_use_keys(&right, b, a);
+}
+
+TEST(keyed_frames_arrive)
+{
+    struct dm2_error err = {0};
+    struct frame f;
+    open_keyed_pair();
+    for (int k = 0; k < 3; k++) {
+        CHECK_EQ_INT(channel_send(&left, 7, 0, "payload", (size_t)k, deadline_in(5, -1), &err), DM2_OK);
+        CHECK_EQ_INT(channel_receive(&right, 100, deadline_in(5, -1), &f, &err), DM2_OK);
+        CHECK(f.type == 7 && f.length == (size_t)k && memcmp(f.payload, "payload", (size_t)k) == 0);
+        CHECK_EQ_INT(channel_send(&right, 8, 0, NULL, 0, deadline_in(5, -1), &err), DM2_OK);
+        CHECK_EQ_INT(channel_receive(&left, 100, deadline_in(5, -1), &f, &err), DM2_OK);
+    }
+    CHECK_EQ_INT(right.bytes_in, left.bytes_out);
+    close_pair();
+}
+
+/* What the left end sends, as bytes: `count` frames of one length. */
+static size_t keyed_bytes(unsigned char *out, size_t cap, int count)
+{
+    size_t n = 0;
+    open_keyed_pair();
+    for (int k = 0; k < count; k++)
+        CHECK_EQ_INT(channel_send(&left, 3, 0, "abc", 3, deadline_in(5, -1), NULL), DM2_OK);
+    ssize_t got = read(right.fd, out, cap);
+    n = got > 0 ? (size_t)got : 0;
+    close_pair();
+    return n;
+}
+
+/* What the right end makes of them: the number of frames that it takes. */
+static int taken_of(const unsigned char *bytes, size_t n)
+{
+    struct frame f;
+    int taken = 0;
+    open_keyed_pair();
+    raw(bytes, n);
+    (void)shutdown(left.fd, SHUT_WR);
+    while (channel_receive(&right, 100, deadline_in(5, -1), &f, NULL) == DM2_OK)
+        taken++;
+    close_pair();
+    return taken;
+}
+
+/* No bit can be changed; no frame left out, sent twice, moved, sent back, or made without the key. */
+TEST(keyed_frames_cannot_be_forged)
+{
+    enum { ONE = FRAME_HEADER + FRAME_TAG + 3 };
+    unsigned char good[2 * ONE], bad[3 * ONE];
+    CHECK_EQ_INT(keyed_bytes(good, sizeof good, 2), sizeof good);
+    CHECK_EQ_INT(taken_of(good, sizeof good), 2);
+    for (size_t bit = 0; bit < 8 * (size_t)ONE; bit++) {
+        memcpy(bad, good, ONE);
+        bad[bit / 8] ^= (unsigned char)(1 << bit % 8);
+        CHECK_EQ_INT(taken_of(bad, ONE), 0);
+    }
+    CHECK_EQ_INT(taken_of(good + ONE, ONE), 0);
+    memcpy(bad, good, ONE);
+    memcpy(bad + ONE, good, ONE);
+    CHECK_EQ_INT(taken_of(bad, 2 * ONE), 1);
+    size_t n = frame_bytes(bad, VERSION, 3, "abc and more than a tag of it", 29);
+    CHECK_EQ_INT(taken_of(bad, n), 0);
+    struct frame f;
+    struct dm2_error err = {0};
+    open_keyed_pair(); /* the left end's own frame, sent back to it */
+    CHECK_EQ_INT(write(right.fd, good, ONE), ONE);
+    CHECK_EQ_INT(channel_receive(&left, 100, deadline_in(5, -1), &f, &err), DM2_PROTOCOL);
+    CHECK_CONTAINS(err.text, "arrived changed");
+    close_pair();
+}
+
+TEST_MAIN(CASE(keyed_frames_arrive), CASE(keyed_frames_cannot_be_forged), CASE(frames_arrive), CASE(frames_arrive_byte_by_byte), CASE(a_large_frame_in_many_pieces),
           CASE(frames_that_arrive_together), CASE(strangers_are_told_at_once), CASE(another_version_is_named),
           CASE(a_length_above_the_limit_is_refused_unread), CASE(memory_grows_with_what_arrives),
           CASE(every_changed_bit_is_noticed), CASE(a_cut_frame_is_an_error_everywhere),

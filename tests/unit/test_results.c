@@ -38,6 +38,8 @@ static struct measures some_measures(void)
     exact_add(&m.potential, 0.5, scales.energy);
     exact_add(&m.elastic, 0.125, scales.energy);
     exact_add(&m.thermal, 0x1p-30, scales.energy);
+    exact_add(&m.chemical, 2, scales.energy);
+    exact_add(&m.phase, -0.25, scales.energy);
     exact_add(&m.work, 0.0625, scales.energy);
     exact_add(&m.momentum[0], -3, scales.momentum);
     exact_add(&m.momentum[1], 0.1, scales.momentum);
@@ -168,18 +170,18 @@ TEST(history_rows)
     CHECK_STR(
         text,
         "step,time [us],kinetic [g cm2/us2],potential [g cm2/us2],elastic [g cm2/us2],thermal [g cm2/us2],"
-        "work [g cm2/us2],total [g cm2/us2],momentum_x [g cm/us],momentum_y [g cm/us],angular_momentum [g "
+        "chemical [g cm2/us2],phase [g cm2/us2],work [g cm2/us2],total [g cm2/us2],momentum_x [g cm/us],momentum_y [g cm/us],angular_momentum [g "
         "cm2/us],"
         "elements,links,contacts,temperature_max [K],pressure_min [Mbar],pressure_max [Mbar],surface_x [cm],"
         "surface_y [cm],surface_vx [cm/us],surface_vy [cm/us],spall_x [cm],spall_y [cm],spall_vx [cm/us],"
         "spall_vy [cm/us]\n"
-        "40,1,1.25,0.5,0.125,9.313225746154785e-10,0.0625,1.8125000009313226,-3,0.1,7,1689,4903,12,311.5,-0."
+        "40,1,1.25,0.5,0.125,9.313225746154785e-10,2,-0.25,0.0625,3.5625000009313226,-3,0.1,7,1689,4903,12,311.5,-0."
         "25,0.75,"
         "2,0.25,-0.5,0.125,nan,nan,nan,nan\n"
-              "50,1.25,0.1,0,0,0,0.1,0,0,0,0,0,0,0,0,0,0,nan,nan,nan,nan,nan,nan,nan,nan\n");
+              "50,1.25,0.1,0,0,0,0,0,0.1,0,0,0,0,0,0,0,0,0,0,nan,nan,nan,nan,nan,nan,nan,nan\n");
     free(text);
     CHECK_EQ_INT(csv_read(scratch_path("history/history.csv"), &csv, &err), DM2_OK);
-    CHECK_EQ_INT(csv.n_columns, 25);
+    CHECK_EQ_INT(csv.n_columns, 27);
     csv_free(&csv);
     fake_free(&f);
 }

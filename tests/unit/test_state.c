@@ -93,8 +93,8 @@ TEST(bytes_are_canonical)
     fake_make(&f, 3, 2);
     write_fake(&f, "b.dm2");
     char *bytes = scratch_read("b.dm2", &n);
-    CHECK_EQ_INT(n, 68 + 120 * f.n + 25 * f.n_pairs + 4);
-    CHECK_EQ_INT(memcmp(bytes, "DM2STATE\2\0\0\0\1\2\3\377\5", 17), 0);
+    CHECK_EQ_INT(n, 68 + 146 * f.n + 25 * f.n_pairs + 4);
+    CHECK_EQ_INT(memcmp(bytes, "DM2STATE\3\0\0\0\1\2\3\377\5", 17), 0);
     CHECK_EQ_INT(memcmp(bytes + 44, "\310\0\0\0\0\0\0\0\6\0\0\0\0\0\0\0", 16), 0);
     write_fake(&f, "c.dm2");
     char *again = scratch_read("c.dm2", NULL);
@@ -155,7 +155,7 @@ TEST(foreign_files)
 {
     write_bytes("x.dm2", "<?xml version=\"1.0\"?>", 21);
     CHECK_CONTAINS(failure("x.dm2"), "is not a dm2 state file");
-    write_bytes("x.dm2", "DM2STATE\2\0\0\0", 12);
+    write_bytes("x.dm2", "DM2STATE\3\0\0\0", 12);
     CHECK_CONTAINS(failure("x.dm2"), "is cut short");
     char bytes[72] = "DM2STATE", of_version[40];
     bytes[8] = STATE_VERSION + 1;
@@ -246,10 +246,10 @@ TEST(elements_out_of_order)
     size_t n;
     fake_make(&f, 2, 2);
     write_fake(&f, "h.dm2");
-    char *bytes = scratch_read("h.dm2", &n), record[120];
-    memcpy(record, bytes + 68, 120);
-    memcpy(bytes + 68, bytes + 68 + 120, 120);
-    memcpy(bytes + 68 + 120, record, 120);
+    char *bytes = scratch_read("h.dm2", &n), record[146];
+    memcpy(record, bytes + 68, 146);
+    memcpy(bytes + 68, bytes + 68 + 146, 146);
+    memcpy(bytes + 68 + 146, record, 146);
     uint32_t crc = crc32c(0, bytes, n - 4);
     for (int k = 0; k < 4; k++)
         bytes[n - 4 + (size_t)k] = (char)(crc >> (8 * k));

@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include "dm2/base/status.h"
+#include "dm2/dist/auth.h"
 #include "dm2/dist/decomposition.h"
 #include "dm2/dist/hosts.h"
 #include "dm2/dist/report.h"
@@ -30,6 +31,7 @@ struct client_options {
     bool send_deck;        /* send the texts at once */
     int64_t hash_every;    /* 0: never */
     int cancel;            /* readable when the process is asked to end; -1: none */
+    const struct auth_key *key; /* to be proved to every server, and by it; NULL: none */
     struct client_events events;
 };
 

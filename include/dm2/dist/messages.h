@@ -35,11 +35,17 @@ enum message_type {
     MESSAGE_STATE = 9,   /* either: a part of a state */
     MESSAGE_DONE = 10,   /* s: last measures, timing; the session is over */
     MESSAGE_ERROR = 11,  /* either: why the session ends now */
-    MESSAGE_PROFILE = 12 /* s: the sums of a profile, before STEP or DONE as STATE is */
+    MESSAGE_PROFILE = 12, /* s: the sums of a profile, before STEP or DONE as STATE is */
+    /* Before HELLO where a key is in use (dm2/dist/auth.h); the payloads are nonces and codes as they are. */
+    MESSAGE_KNOCK = 20,     /* c: nonce */
+    MESSAGE_CHALLENGE = 21, /* s: nonce */
+    MESSAGE_PROOF = 22,     /* c: code */
+    MESSAGE_GRANT = 23      /* s: code */
 };
 
 /* Largest payloads, bytes. */
 enum {
+    LIMIT_AUTH = 128,
     LIMIT_HELLO = 1024,
     LIMIT_DECK = 64 * 1024 * 1024,
     LIMIT_SMALL = 64 * 1024, /* ANSWER, READY, DONE, ERROR */
@@ -136,6 +142,9 @@ struct error_message {
     enum dm2_status status;
     char text[600];
 };
+
+/* All that somebody is told who has not shown that he has the key. */
+#define REFUSAL_TEXT "not admitted"
 
 /* Each put appends to w; each get reads a whole payload, or the head of one that continues (STEP, NEXT,
  * STATE), and leaves r->failed where it cannot be. What a get allocated is freed by the function beside it,

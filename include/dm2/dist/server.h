@@ -7,14 +7,20 @@
 #include <stdint.h>
 
 #include "dm2/base/status.h"
+#include "dm2/dist/auth.h"
+#include "dm2/net/allow.h"
 
 struct server_options {
     const char *deck_dir; /* decks named by clients are looked for below it */
     const char *version;  /* of the program, for HELLO */
-    double handshake;     /* seconds in which a client must have said HELLO */
+    double handshake;     /* seconds in which a client must have proved the key and said HELLO */
     double timeout;       /* seconds of silence after which a client is given up; a longer one of the client's
                              counts twice */
     int cancel;           /* readable when the process is asked to end; -1: none */
+    const struct auth_key *key;     /* that a client must have; NULL: none */
+    const struct allow_list *allow; /* who may connect; NULL: everybody */
+    uint64_t max_elements;          /* of a deck, */
+    int64_t max_steps;              /* and its time steps; 0: any */
 };
 
 /* What a session came to. */

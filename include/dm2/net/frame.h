@@ -9,6 +9,9 @@
  *     8  u32  length of the payload in bytes
  *    12  u32  CRC-32C of header bytes 0..11 and the payload
  *
+ * Once a channel has keys (channel_use_keys) the CRC is 0, and a tag of 16 bytes follows the header: SipHash-2-4-128 of
+ * the number of the frame in its direction (u64, from 0), the header and the payload.
+ *
  * Reading one fails in exactly the ways of enum frame_fault, deadlines and broken connections apart. The
  * magic is looked at as soon as four bytes are there, the version and the length before any payload is read;
  * memory grows with the bytes that arrive, never with the length that is claimed. */
@@ -20,10 +23,11 @@
 #include <stdint.h>
 #include <sys/uio.h>
 
+#include "dm2/base/siphash.h"
 #include "dm2/base/status.h"
 #include "dm2/net/socket.h"
 
-enum { FRAME_HEADER = 16 };
+enum { FRAME_HEADER = 16, FRAME_TAG = SIPHASH_BYTES };
 #define FRAME_MAGIC      0x1a324d44U /* "DM2" 0x1a, little-endian */
 #define FRAME_LENGTH_MAX 0x40000000U /* of any payload */
 
@@ -66,11 +70,18 @@ struct channel {
     struct frame_header in;
     double heard; /* clock_now() when the last byte came */
     uint64_t frames_in, frames_out, bytes_in, bytes_out;
+    bool keyed; /* frames have tags by these keys */
+    unsigned char key_in[SIPHASH_KEY], key_out[SIPHASH_KEY];
+    uint64_t tags_in, tags_out; /* frames with tags so far */
 };
 
 /* Takes the descriptor over. */
 void channel_open(struct channel *ch, int fd, uint16_t version, const char *name);
 void channel_close(struct channel *ch);
+
+/* From the next frame on, in both directions: tags in place of checksums. The peer must do so at the same frame. */
+void channel_use_keys(struct channel *ch, const unsigned char in[SIPHASH_KEY],
+                      const unsigned char out[SIPHASH_KEY]);
 
 /* Closes in a way that lets the peer read what was sent last: ends the stream and discards what still comes,
  * until the peer ends its own or the deadline. */

@@ -12,6 +12,8 @@ struct chart_series {
     const double *x, *y;
     size_t n;
     size_t colour; /* index of colour_category */
+    double shade;  /* used instead where `shaded`: of colour_sequential, 0 to 1 */
+    bool shaded;
     bool line, dashed, markers;
 };
 

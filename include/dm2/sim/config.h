@@ -22,6 +22,8 @@ enum search_kind { SEARCH_CELLS_AND_LISTS, SEARCH_LISTS, SEARCH_CELLS };
 enum balance_kind { BALANCE_SPACE, BALANCE_PARTICLES };
 enum lattice_kind { LATTICE_HEXAGONAL, LATTICE_SQUARE };
 enum motion_kind { MOTION_FREE, MOTION_FIXED, MOTION_DRIVEN };
+enum transition_kind { TRANSITION_PRESSURE, TRANSITION_TEMPERATURE };
+enum reaction_kind { REACTION_STOICHIOMETRIC, REACTION_NON_STOICHIOMETRIC };
 enum structure_kind { STRUCTURE_CRYSTAL, STRUCTURE_POLYCRYSTAL, STRUCTURE_DISCS, STRUCTURE_POLYGONS };
 enum shape_kind { SHAPE_RECTANGLE, SHAPE_DISC, SHAPE_POLYGON };
 
@@ -40,6 +42,36 @@ struct material_config {
     double tm;        /* melting temperature, K; NaN: no softening with temperature */
     double cp;        /* heat capacity, cm2/us2/K; NaN: heat is counted but T stays */
     double kappa;     /* conductivity, g cm/us3/K; 0 by default */
+};
+
+/* phase MATERIAL NAME { ... }: a further phase of a material, and the line at which it forms. Its line is
+ * P = p_line + dp_dt (T - t_line), or T = t_line + dt_dp (P - p_line); the phase lies above it. */
+struct phase_config {
+    name_text name;
+    int material;
+    name_text from_name;  /* the phase that it forms from; "": the material as its own block gives it */
+    int from;             /* the same: index of a phase before this one, -1: the material */
+    enum transition_kind transition;
+    bool reversible;      /* default yes */
+    double p_line;        /* Mbar, default 0 */
+    double t_line;        /* K */
+    double dp_dt, dt_dp;  /* Mbar/K, K/Mbar, default 0 */
+    double hysteresis_p;  /* the way back is so much below the line, Mbar, default 0 */
+    double hysteresis_t;  /* or K; NaN: 1.1 times latent heat over heat capacity */
+    double latent;        /* heat taken up at t_line, cm2/us2 */
+    struct material_config state; /* its constants; where the deck gives none, those of the phase it forms from */
+};
+
+/* reaction NAME { ... }: A + B -> product in contacting elements. */
+struct reaction_config {
+    name_text name;
+    int reactant[2], product;  /* materials; -1: unknown */
+    enum reaction_kind kind;
+    double masses[2];          /* that react with each other, in any unit; NaN: non-stoichiometric */
+    double k0;                 /* rate per facet, g/cm2/us */
+    double ea;                 /* activation energy, g cm2/us2/mol */
+    double heat;               /* set free per mass of product, cm2/us2 */
+    double threshold;          /* an element with less of its reactants than this becomes the product material */
 };
 
 /* What a pair of elements does to each other; resolved for two materials and a relation. */
@@ -154,8 +186,10 @@ struct config {
     double dt; /* us */
     int64_t steps;
     double gravity[2]; /* body acceleration, cm/us2 */
-    size_t n_materials, n_bodies, n_probes, n_profiles, n_voids, n_flaws;
+    size_t n_materials, n_phases, n_reactions, n_bodies, n_probes, n_profiles, n_voids, n_flaws;
     struct material_config *materials;
+    struct phase_config *phases;       /* in deck order: kind n_materials + i is phase i */
+    struct reaction_config *reactions; /* none or one */
     struct body_config *bodies;
     struct probe_config *probes;
     struct profile_config *profiles;
@@ -170,6 +204,12 @@ struct config {
  * the defaults above, then each matching rule from the least to the most specific:
  * `interaction {}`, `interface grain|body {}`, `interaction A B {}`, `interface grain|body A B {}`. */
 struct interaction_config config_interaction(const struct config *c, int a, int b, enum relation relation);
+
+/* Name of a kind of element: its material, and behind a slash its phase where that is not the first. */
+struct kind_name {
+    char text[2 * NAME_MAX_LENGTH + 2];
+};
+const char *config_kind_name(const struct config *c, size_t kind, struct kind_name *out);
 
 /* Frees what *c owns and empties it. */
 void config_free(struct config *c);

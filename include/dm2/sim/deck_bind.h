@@ -10,6 +10,7 @@
 #include "dm2/sim/interaction_rule.h"
 
 enum { MATERIAL_MAX = 256, BODY_MAX = 65535, RULE_MAX = 1000, VOID_MAX = 10000, FLAW_MAX = 10000 };
+enum { PHASE_MAX = 256, REACTION_MAX = 1 };
 
 struct deck_binding {
     struct deck_tree *tree;
@@ -18,8 +19,8 @@ struct deck_binding {
     bool steps_replaced;        /* by --steps */
     enum block_kind *kinds;     /* of each block of the tree; BLOCK_COUNT: unknown */
     size_t single[BLOCK_COUNT]; /* index of the first block of a kind; tree->n_blocks: none */
-    size_t *material_block, *body_block, *probe_block, *profile_block, *rule_block,
-        *void_block, *flaw_block; /* of config->materials etc. */
+    size_t *material_block, *body_block, *probe_block, *profile_block, *rule_block, *void_block, *flaw_block,
+        *phase_block, *reaction_block; /* of config->materials etc. */
 };
 
 /* Fills *b and b->config, both empty at the start but for tree, findings and config. A real value that was

@@ -13,6 +13,8 @@ enum block_kind {
     BLOCK_DOMAIN,
     BLOCK_TIME,
     BLOCK_MATERIAL,
+    BLOCK_PHASE,
+    BLOCK_REACTION,
     BLOCK_INTERACTION,
     BLOCK_INTERFACE, /* has the keywords of interaction */
     BLOCK_BODY,
@@ -31,6 +33,8 @@ enum value_type {
     VALUE_FLAG,     /* `count` words of two choices, stored as bools: is it the second? */
     VALUE_SHAPE,    /* rectangle | disc | polygon and lengths */
     VALUE_MATERIAL, /* the name of a material */
+    VALUE_MATERIALS, /* `count` names of materials, stored as ints: their indices */
+    VALUE_NAME,     /* one word, stored as a name_text */
     VALUE_BODY,     /* the name of a body */
     VALUE_MIX,      /* names of materials, each with a fraction */
     VALUE_STEPS,    /* a list of steps */

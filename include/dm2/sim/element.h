@@ -16,6 +16,7 @@ struct element {
     uint32_t grain; /* global */
     uint16_t body;
     uint16_t kind;  /* index of its (material, phase) in the model */
+    uint16_t was;   /* kind before the last move; differs only until the next force evaluation */
     uint8_t flags;  /* enum element_flag */
     uint8_t probes; /* bit p: it belongs to probe p */
     double radius;  /* cm */
@@ -25,9 +26,11 @@ struct element {
     double w;       /* angular velocity there, 1/us */
     double heat;    /* thermal energy above its material's T0, g cm2/us2 */
     double p;       /* pressure of the last force evaluation, Mbar */
+    double share[2]; /* mass fractions of the reaction's reactants; the rest is product; 0 where nothing reacts */
     /* What only its owner knows; of a mirrored element it is 0. */
     double work;      /* put in so far by the body force or by its drive, g cm2/us2 */
     double strain[3]; /* xx, yy, xy, accumulated since the start where the deck asks for it; else 0 */
+    double moved;     /* energy that changes of kind took out of its bonds and spin so far, g cm2/us2 */
     uint16_t bonds;   /* links that it started with */
 };
 

@@ -238,8 +238,9 @@ DM2_INLINE void pair_interact(const struct pair_law *law, const struct pair_view
         out->arm_j = share * p->radius_j;
         double vt = p->vt - (p->w_i * out->arm_i + p->w_j * out->arm_j);
         double kt = s->linked ? law->kt_link : law->kt_contact;
-        double cap = s->linked ? 0x1.bb67ae8584cabp-1 * /* 1.5/sqrt(3) */
-                                     law_lesser(law->yield_i * p->soft_i, law->yield_j * p->soft_j) * bond.area
+        /* A link holds Y A: the lattice's resistance to shear is then Y/2 along its rows and Y/sqrt(3) midway between them
+         * (docs/physics.md, section 6), the shear strengths of Tresca and von Mises. */
+        double cap = s->linked ? law_lesser(law->yield_i * p->soft_i, law->yield_j * p->soft_j) * bond.area
                                : law->mu * out->fn;
         double spring = s->spring + vt * dt_path;
         if (kt * fabs(spring) > cap) {

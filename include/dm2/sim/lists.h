@@ -18,7 +18,7 @@
 /* One half list: row i is entries start[i] .. start[i+1]-1. */
 struct half_list {
     uint32_t *start; /* [n_own + 1] */
-    uint32_t *j;     /* partner slot of each entry */
+    uint32_t *j;     /* partner of each entry: its slot in the near list, twice its slot (the component x) in the far list */
     size_t row_cap, cap;
 };
 

@@ -36,6 +36,9 @@ struct particles {
     double *soft;        /* [n] softening factor, follows from temperature */
     double *p;           /* [n] pressure of the last evaluation, Mbar */
     double *heat, *work; /* [n] g cm2/us2 */
+    double *share;       /* [n][2] mass fractions of the reactants */
+    double *moved;       /* [n] energy that changes of kind took out of bonds and spin, g cm2/us2 */
+    uint16_t *was;       /* [n] kind before the last move */
     double *strain;      /* [n][3] xx, yy, xy, of owned elements */
     uint16_t *bonds;     /* [n] links at the start, of owned elements */
     uint32_t *id, *grain;
@@ -67,6 +70,9 @@ void particles_put(struct particles *p, const struct model *m, size_t i, const s
  * from[k] = PARTICLES_NONE is left to be put. 0, or -1 without memory. The caller sets n and n_own. */
 #define PARTICLES_NONE UINT32_MAX
 int particles_permute(struct particles *p, const uint32_t *from, size_t n);
+
+/* Heat capacity of slot i, cm2/us2/K: that of its kind, or the mean of what its reactants and product have. */
+double particles_heat_capacity(const struct particles *p, const struct model *m, size_t i);
 
 /* Temperature and softening factor of slot i from its heat. */
 void particles_warm(struct particles *p, const struct model *m, size_t i);

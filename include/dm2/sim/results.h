@@ -90,7 +90,7 @@ bool results_measure_due(const struct config *c, int64_t step);
 /* This and the following two: a step that is there already is not written again. A run that went back to an earlier
  * state repeats such steps, with the same numbers.
  *
- * Appends the row of one step. The columns `total` = kinetic + potential + elastic + thermal - work is what
+ * Appends the row of one step. The column `total` = kinetic + potential + elastic + thermal + chemical + phase - work is what
  * an exact integration keeps constant; it is summed exactly before it is rounded. */
 enum dm2_status results_history(struct results *r, int64_t step, const struct measures *m,
                                 struct dm2_error *err);

@@ -1,7 +1,7 @@
 /* The canonical state file (final.dm2), a checkpoint: all that the next step reads, the same bytes whoever
  * wrote it.
  *
- * Format, version 2, numbers little-endian, doubles as their IEEE 754 bits:
+ * Format, version 3, numbers little-endian, doubles as their IEEE 754 bits:
  *
  *   magic            8 bytes  "DM2STATE"
  *   version          u32
@@ -9,8 +9,9 @@
  *   step             u64
  *   n_elements       u64
  *   n_pairs          u64
- *   elements         ids ascending, 120 bytes each: id u32, grain u32, body u16, kind u16, flags u8, probes u8,
- *                    then as f64 radius, mass, r[2], v[2], w, heat, p, work, strain[3], then bonds u16
+ *   elements         ids ascending, 146 bytes each: id u32, grain u32, body u16, kind u16, flags u8, probes u8,
+ *                    then as f64 radius, mass, r[2], v[2], w, heat, p, work, strain[3], then bonds u16, was u16, and as f64
+ *                    share[2], moved
  *   pairs            (id_a, id_b) ascending, 25 bytes each: id_a u32, id_b u32, linked u8, stretch f64, spring f64
  *   crc              u32      CRC-32C of all bytes before it
  */
@@ -23,7 +24,7 @@
 #include "dm2/base/status.h"
 #include "dm2/sim/element.h"
 
-enum { STATE_DIGEST_BYTES = 32, STATE_VERSION = 2 };
+enum { STATE_DIGEST_BYTES = 32, STATE_VERSION = 3 };
 
 struct state {
     uint8_t digest[STATE_DIGEST_BYTES];

@@ -87,7 +87,9 @@ enum update_field {
     UPDATE_VELOCITY = 1, /* 2 doubles */
     UPDATE_SPIN = 2,     /* 1 */
     UPDATE_HEAT = 4,     /* 1 */
-    UPDATE_PRESSURE = 8  /* 1 */
+    UPDATE_PRESSURE = 8, /* 1 */
+    UPDATE_KIND = 16,    /* 1: kind + 65536 was */
+    UPDATE_COMPOSITION = 32 /* 2 */
 };
 unsigned subdomain_update_fields(const struct model *model);
 
@@ -100,7 +102,8 @@ size_t subdomain_receive_count(const struct subdomain *sd, int src);
 
 /* Writes the update for `dest`: send_count x update_width doubles, element by element. */
 void subdomain_pack_update(const struct subdomain *sd, int dest, double *out);
-/* Takes the update from `src`: receive_count x update_width doubles. DM2_NUMERIC: a value is not finite. */
+/* Takes the update from `src`: receive_count x update_width doubles. DM2_NUMERIC: a value is not finite.
+ * DM2_PROTOCOL: a kind that the deck does not have. */
 enum dm2_status subdomain_take_update(struct subdomain *sd, int src, const double *in, struct dm2_error *err);
 
 /* --- rebuild ------------------------------------------------------------------------------------------ */

@@ -11,9 +11,16 @@
 #include "dm2/sim/law.h"
 #include "dm2/sim/model.h"
 
-/* A kind of element: a material (and later its phase). */
+/* A kind of element: a material in one of its phases. Kind i is material i in its first phase for i < n_materials; the
+ * phases of the deck follow. */
 struct kind {
     int material;
+    const struct material_config *state; /* its constants; the config's */
+    const struct phase_config *phase;    /* how it forms; NULL: a first phase */
+    size_t from;                         /* kind that it forms from */
+    double size;                         /* radius over that in the first phase, sqrt(rho0 first / rho0) */
+    double energy;                       /* per mass, above the first phase at t0, cm2/us2 (docs/physics.md, section 9) */
+    double hysteresis;                   /* Mbar or K, by phase->transition */
     double t0, tm, softening; /* tm infinite: never softens */
     double cp;                /* infinite: the temperature stays at t0 */
 };
@@ -23,6 +30,19 @@ struct fixed_scales {
     double over_far_force, over_force, over_torque, over_heat; /* reciprocals, exact */
     double far_force, force, torque, heat, virial, around, energy;
     int energy_left; /* measure_scales.energy = log2(energy) + energy_left */
+};
+
+/* The deck's reaction in numbers (dm2/sim/reaction.h). */
+struct reaction_table {
+    bool any;
+    int reactant[2], product; /* materials */
+    bool stoichiometric;
+    double share[2];    /* mass of each reactant in a mass of product */
+    double k0, theta;   /* g/cm2/us; Ea/R, K */
+    double heat;        /* per mass of product, cm2/us2 */
+    double threshold;
+    double limit;       /* part of what an element holds that one pair may take in a step */
+    double mass_scale;  /* fixed-point scale of masses */
 };
 
 struct model {
@@ -37,6 +57,10 @@ struct model {
     bool has_damping;      /* some law damps: velocities of mirrored elements matter */
     bool has_heat;         /* temperature changes something: softening, conduction, damping's a_t */
     bool has_pressure;     /* some damping depends on pressure */
+    bool has_phases;       /* the deck has phases: pressure is needed at every step */
+    bool has_kinds;        /* elements may change their kind, by phase or reaction */
+    struct reaction_table reaction;
+    double growth;         /* largest over smallest size of a kind; 1 without phases */
     bool has_strain;       /* the deck asks for strain: velocities of mirrored elements matter */
     bool uniform_far;      /* one kind, one far law */
     bool wide_far;         /* and that law is a plain Lennard-Jones potential: rows of the far list are padded to fours */

@@ -1,0 +1,22 @@
+/* HMAC-SHA-256 (RFC 2104), and the comparison of secrets. */
+#ifndef DM2_BASE_HMAC_H
+#define DM2_BASE_HMAC_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "dm2/base/sha256.h"
+
+struct hmac {
+    struct sha256 inner, outer;
+};
+
+/* A code is made by start, any number of adds, and finish. A key may have any length. */
+void hmac_start(struct hmac *h, const void *key, size_t n);
+void hmac_add(struct hmac *h, const void *data, size_t n);
+void hmac_finish(struct hmac *h, unsigned char code[SHA256_BYTES]);
+
+/* Are n bytes equal? Takes the same time wherever they differ, so that the time tells nothing about a code. */
+bool hmac_equal(const void *a, const void *b, size_t n);
+
+#endif

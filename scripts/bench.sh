@@ -1,0 +1,106 @@
+#!/bin/sh
+# Speed per core, as ratios in one run on one machine: dm2-seq and, where it is installed, LAMMPS on the same work, in
+# turn, several times. Prints medians with their spread, writes build/bench.csv.
+#   scripts/bench.sh [REPEATS] [WORK...]      WORK: lj, full, scaling; default all
+set -eu
+here=$(cd "$(dirname "$0")/.." && pwd)
+bin=${DM2_BIN:-$here/bin}
+out=${DM2_BENCH_DIR:-$here/build/bench}
+repeats=${1:-5}
+[ $# -gt 0 ] && shift
+work=${*:-lj full scaling}
+mkdir -p "$out"
+csv=$out/bench.csv
+echo 'work,elements,program,repeat,element-steps/s' >"$csv"
+lmp=$(command -v lmp || true)
+[ -n "$lmp" ] || echo "LAMMPS (lmp) is not installed: dm2 alone is measured (Debian's package is 'lammps')"
+
+dm2_rate() # PROGRAM AND OPTIONS
+{
+    "$@" -q --overwrite -o "$out/run" >/dev/null
+    awk '/element-steps\/s/ { for (i = 1; i <= NF; i++) if ($i == "element-steps/s") printf "%.0f\n", $(i - 1) }' "$out/run/run.log"
+}
+
+lammps_rate() # INPUT NX NY STEPS OPTIONS
+{
+    input=$1 nx=$2 ny=$3 steps=$4
+    shift 4
+    (cd "$out" && "$lmp" "$@" -in "$here/scripts/peers/$input" -var nx "$nx" -var ny "$ny" -var steps "$steps" -log none) |
+        awk '/^Loop time/ { printf "%.0f\n", $(NF - 1) * $(NF - 4) / $4 }'
+}
+
+note() # WORK ELEMENTS PROGRAM REPEAT RATE
+{
+    echo "$1,$2,$3,$4,$5" >>"$csv"
+}
+
+# The sizes of the comparison: unit cells for LAMMPS, elements for the lattice, scale for the plate impact, steps.
+sizes='38 22 1700 1.003 2000
+100 58 11600 2.6 400
+250 145 73000 6.5 60
+500 290 290000 13 20'
+
+each_size() # WORK
+{
+    echo "$sizes" | while read -r nx ny n scale steps; do
+        k=1
+        while [ "$k" -le "$repeats" ]; do
+            if [ "$1" = lj ]; then
+                [ -z "$lmp" ] || note lj "$n" lammps "$k" "$(lammps_rate lammps-lj.in "$nx" "$ny" "$steps")"
+                [ -z "$lmp" ] || note lj "$n" lammps-opt "$k" "$(lammps_rate lammps-lj.in "$nx" "$ny" "$steps" -sf opt)"
+                note lj "$n" dm2 "$k" "$(dm2_rate "$bin/dm2-seq" "$here/input/lj-lattice.dm2" -D n="$n" --steps "$steps")"
+            else
+                [ -z "$lmp" ] || note full "$n" lammps "$k" "$(lammps_rate lammps-full.in "$nx" "$ny" "$steps")"
+                note full "$n" dm2 "$k" \
+                    "$(dm2_rate "$bin/dm2-seq" "$here/input/plate-impact.dm2" -D scale="$scale" -D every=100 --steps "$steps")"
+            fi
+            k=$((k + 1))
+        done
+    done
+}
+
+# One subdomain against two servers, on the same deck, in turn.
+scaling()
+{
+    for size in '1.003 1700 2000' '2.6 11600 400' '6.5 73000 100' '13 290000 30'; do
+        set -- $size
+        k=1
+        while [ "$k" -le "$repeats" ]; do
+            for program in "dm2-seq" "dm2-client -n 2"; do
+                # shellcheck disable=SC2086
+                note scaling "$2" "$program" "$k" \
+                    "$(dm2_rate $bin/$program "$here/input/plate-impact.dm2" -D scale="$1" -D every=100 --steps "$3")"
+            done
+            k=$((k + 1))
+        done
+    done
+}
+
+for w in $work; do
+    case $w in
+    lj | full) each_size "$w" ;;
+    scaling) scaling ;;
+    *) echo "bench: '$w' is not a work: lj, full or scaling is expected" >&2; exit 2 ;;
+    esac
+done
+
+# Medians with spread, and each program's ratio to the first of its size.
+sort -t, -k1,1 -k2,2n -k3,3 -k5,5n "$csv" | awk -F, '
+    $1 == "work" { next }
+    { key = $1 "," $2 "," $3; if (key != last) { order[++m] = key; last = key } value[key, ++count[key]] = $5 }
+    END {
+        printf "%-9s %9s  %-16s %12s  %-25s %s\n", "work", "elements", "program", "median M/s", "least - most", "dm2 is times faster"
+        for (i = 1; i <= m; i++) {
+            key = order[i]; n = count[key]; split(key, f, ",")
+            median[key] = n % 2 ? value[key, (n + 1) / 2] : 0.5 * (value[key, n / 2] + value[key, n / 2 + 1])
+        }
+        for (i = 1; i <= m; i++) {
+            key = order[i]; n = count[key]; split(key, f, ",")
+            own = f[1] "," f[2] ",dm2"
+            if (f[1] == "scaling") own = f[1] "," f[2] ",dm2-client -n 2"
+            printf "%-9s %9d  %-16s %12.3f  %-25s %s\n", f[1], f[2], f[3], 1e-6 * median[key],
+                sprintf("%.3f - %.3f", 1e-6 * value[key, 1], 1e-6 * value[key, n]),
+                key == own ? "" : sprintf("%.2f", median[own] / median[key])
+        }
+    }'
+echo "every run: $csv"
