@@ -6,7 +6,9 @@
 #include <string.h>
 
 #include "dm2/app/local_servers.h"
+#include "dm2/app/network.h"
 #include "dm2/app/options.h"
+#include "dm2/app/prediction.h"
 #include "dm2/app/progress.h"
 #include "dm2/app/run.h"
 #include "dm2/app/signals.h"
@@ -20,19 +22,21 @@
 
 static const char PROGRAM[] = "dm2-client";
 
-enum { LOCAL_MOST = 1024 };
+enum { LOCAL_MOST = 1024, PROBE_TURNS = 15 };
 
 struct client_command {
     struct run_options run;
     int64_t local; /* -n; 0: not given */
     struct option_list servers;
-    const char *hosts, *balance, *key_file;
+    const char *hosts, *balance, *key_file, *calibration_file;
     struct auth_key key;
     bool send_deck, no_recover;
     double timeout, reconnect;
     int64_t copy_every; /* -1: by cost */
     const char *argv0;
     int cancel;
+    char calibration_path[PREDICTION_TEXT]; /* empty: the run is predicted from itself */
+    struct calibration calibration;
 };
 
 /* What the events of a run need. */
@@ -43,7 +47,7 @@ struct display {
 
 static enum dm2_status parse(struct client_command *c, int argc, char **argv, struct dm2_error *err)
 {
-    enum { OWN = 10 };
+    enum { OWN = 11 };
     *c = (struct client_command){.timeout = 60, .reconnect = 5, .copy_every = -1, .argv0 = argv[0], .cancel = -1};
     struct option table[OWN + RUN_OPTIONS] = {
         {"local", 'n', OPTION_INTEGER, &c->local, "N", "starts N servers on this machine for this run", 1,
@@ -55,6 +59,8 @@ static enum dm2_status parse(struct client_command *c, int argc, char **argv, st
          "proves this key to the servers, and wants them to prove it", 0, 0},
         {"balance", 0, OPTION_TEXT, &c->balance, "WHAT",
          "cuts by space or particles (default: as the deck says)", 0, 0},
+        {"calibration", 0, OPTION_TEXT, &c->calibration_file, "FILE",
+         "predicts with these constants (default $DM2_CALIBRATION, ./dm2-calibration.csv)", 0, 0},
         {"send-deck", 0, OPTION_FLAG, &c->send_deck, NULL, "sends the deck even where servers have a copy", 0,
          0},
         {"timeout", 0, OPTION_SECONDS, &c->timeout, "S",
@@ -150,6 +156,8 @@ static void print_summary(const struct client_command *c, const struct run_repor
     (void)printf("%lld steps of %zu elements on %d server%s in %.3f s: %.4g element-steps/s\n",
                  (long long)r->steps, r->elements, r->ranks, r->ranks == 1 ? "" : "s", r->total,
                  report_rate(r));
+    if (r->prediction != NULL)
+        (void)fputs(r->prediction, stdout);
     (void)printf("results in %s\n", directory);
 }
 
@@ -176,7 +184,8 @@ static enum dm2_status start_anew(void *context, int ranks, struct endpoint *ser
 /* The run itself, with servers that are up. */
 static enum dm2_status run_on(const struct client_command *c, const struct run *run,
                               const struct decomposition *d, const struct endpoints *servers, struct nursery *nursery,
-                              struct results *results, struct run_report *report, struct dm2_error *err)
+                              struct results *results, struct network_probe *probe, struct run_report *report,
+                              struct dm2_error *err)
 {
     struct display display = {.quiet = c->run.quiet};
     const struct client_options options = {
@@ -195,6 +204,7 @@ static enum dm2_status run_on(const struct client_command *c, const struct run *
         .send_deck = c->send_deck || nursery->servers.n > 0,
         .hash_every = c->run.hash_every,
         .cancel = c->cancel,
+        .echo = c->calibration_path[0] == '\0' ? network_probe_echo(probe) : NULL,
         .key = c->key_file != NULL ? &c->key : NULL,
         .events = {.context = &display, .step = show_step, .hash = show_hash, .note = show_note}};
     const struct client_job job = {.source = &run->source,
@@ -210,6 +220,29 @@ static enum dm2_status run_on(const struct client_command *c, const struct run *
     return status;
 }
 
+/* What the model says about the run that has ended; empty where no step was timed. */
+static enum dm2_status predict_run(const struct client_command *c, const struct network_probe *probe, bool local,
+                                   struct run_report *report, char text[PREDICTION_TEXT], struct dm2_error *err)
+{
+    int cores = local_servers_cores(), processors = local && cores < report->ranks ? cores : report->ranks;
+    struct prediction_basis basis;
+    struct explanation e;
+    struct network_line line;
+    enum dm2_status status = DM2_OK;
+    if (c->calibration_path[0] != '\0') {
+        prediction_calibrated(&c->calibration, c->calibration_path, report, processors, &basis);
+    } else {
+        status = network_fit(probe, report->ranks, &line, err);
+        if (status == DM2_OK)
+            prediction_estimated(&line, report, processors, &basis);
+    }
+    if (status == DM2_OK && prediction_explain(report, &basis, &e)) {
+        prediction_text(&e, &basis, report, text);
+        report->prediction = text;
+    }
+    return status;
+}
+
 /* From the run directory to its last file. */
 static enum dm2_status run_all(const struct client_command *c, const struct run *run,
                                const struct decomposition *d, struct endpoints *servers,
@@ -218,13 +251,20 @@ static enum dm2_status run_all(const struct client_command *c, const struct run 
     struct results *results = NULL;
     struct run_report report = {0};
     struct nursery nursery = {.command = c};
+    struct network_probe probe = {0};
+    char prediction[PREDICTION_TEXT];
+    bool start = servers->n == 0;
     enum dm2_status status = run_open_results(&c->run, run, &results, err);
-    if (status == DM2_OK && servers->n == 0)
+    if (status == DM2_OK)
+        status = network_probe_start(&probe, true, PROBE_TURNS, err);
+    if (status == DM2_OK && start)
         status = local_servers_start(c->argv0, d->ranks, c->run.verbose, c->cancel, &nursery.servers, servers,
                                      err);
     if (status == DM2_OK)
-        status = run_on(c, run, d, servers, &nursery, results, &report, err);
+        status = run_on(c, run, d, servers, &nursery, results, &probe, &report, err);
     local_servers_stop(&nursery.servers);
+    if (status == DM2_OK)
+        status = predict_run(c, &probe, start, &report, prediction, err);
     if (status == DM2_OK)
         status = report_write(&report, results, err);
     if (status != DM2_OK) {
@@ -237,6 +277,7 @@ static enum dm2_status run_all(const struct client_command *c, const struct run 
         if (status == DM2_OK)
             print_summary(c, &report, directory);
     }
+    network_probe_free(&probe);
     free(report.servers);
     return status;
 }
@@ -280,6 +321,16 @@ static int choose_ranks(const struct client_command *c, const struct run *run,
     return n;
 }
 
+static enum dm2_status find_calibration(struct client_command *c, struct dm2_error *err)
+{
+    char note[PREDICTION_TEXT];
+    enum dm2_status status =
+        prediction_calibration(c->calibration_file, &c->calibration, c->calibration_path, note, err);
+    if (status == DM2_OK && note[0] != '\0' && !c->run.quiet)
+        (void)fprintf(stderr, "%s: %s\n", PROGRAM, note);
+    return status;
+}
+
 static enum dm2_status work(struct client_command *c, struct dm2_error *err)
 {
     struct endpoints servers = {0};
@@ -291,6 +342,8 @@ static enum dm2_status work(struct client_command *c, struct dm2_error *err)
         status = dm2_fail(err, DM2_USAGE, "%s: all servers are spares: one at least is needed without the word", c->hosts);
     if (status == DM2_OK && c->key_file != NULL)
         status = auth_key_read(c->key_file, &c->key, err);
+    if (status == DM2_OK && !c->run.check)
+        status = find_calibration(c, err);
     if (status == DM2_OK)
         status = run_load(&c->run, &run, err);
     if (status == DM2_OK)

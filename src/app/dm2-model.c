@@ -10,13 +10,16 @@ static const char PROGRAM[] = "dm2-model";
 
 struct command {
     const char *name, *help;
-    enum dm2_status (*run)(int argc, char **argv, struct dm2_error *err);
+    enum dm2_status (*run)(const char *argv0, int argc, char **argv, struct dm2_error *err);
 };
 
 static const struct command COMMANDS[] = {
     {"predict", "times, speedup and efficiency of N servers", model_predict_command},
     {"what-if", "other processors and networks; from which size servers pay, and how many",
      model_what_if_command},
+    {"netbench", "what messages cost between a client and N servers", model_netbench_command},
+    {"calibrate", "measures this cluster's constants and writes the calibration file", model_calibrate_command},
+    {"compare", "measured beside predicted: a sweep of runs, or finished ones", model_compare_command},
 };
 
 enum { N_COMMANDS = sizeof COMMANDS / sizeof COMMANDS[0] };
@@ -54,7 +57,7 @@ static enum dm2_status dispatch(int argc, char **argv, struct dm2_error *err)
     }
     for (size_t i = 0; word != NULL && i < N_COMMANDS; i++)
         if (strcmp(word, COMMANDS[i].name) == 0)
-            return COMMANDS[i].run(argc - 1, argv + 1, err);
+            return COMMANDS[i].run(argv[0], argc - 1, argv + 1, err);
     return unknown_command(word, err);
 }
 

@@ -21,6 +21,7 @@ static const char PROGRAM[] = "dm2-seq";
 
 /* A run in progress. */
 struct sequence {
+    double cpu; /* seconds of the processor, in all steps */
     const struct run_options *options;
     const struct run *run;
     struct results *results;
@@ -163,6 +164,7 @@ static enum dm2_status run_steps(struct sequence *s, int cancel, struct dm2_erro
     struct pollfd signal = {.fd = cancel, .events = POLLIN};
     int64_t steps = s->run->config.steps;
     enum dm2_status status = print_hash(s, err);
+    double cpu = clock_cpu();
     progress_start(&progress, s->options->progress, steps, model_elements(s->run->model));
     while (status == DM2_OK && subdomain_step(s->sd) < steps) {
         status = step(s, err);
@@ -177,6 +179,7 @@ static enum dm2_status run_steps(struct sequence *s, int cancel, struct dm2_erro
         if (status == DM2_OK)
             progress_step(&progress, subdomain_step(s->sd), NULL);
     }
+    s->cpu = clock_cpu() - cpu;
     progress_end(&progress);
     return status == DM2_OK ? finish(s, err) : status;
 }
@@ -191,6 +194,7 @@ static void fill_report(struct sequence *s, double started)
     s->server.times.forces = t.forces;
     s->server.times.integrate = t.integrate;
     s->server.times.rebuild = t.rebuild;
+    s->server.times.cpu = s->cpu;
     s->server.times.output = s->report.output;
     s->server.times.rebuilds = t.rebuilds;
     s->server.times.steps = (uint64_t)s->report.steps;

@@ -15,28 +15,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "dm2/app/child.h"
 #include "dm2/base/mem.h"
 #include "dm2/net/socket.h"
 
 static const double START_SECONDS = 20.0; /* for a server to say where it listens */
 static const double STOP_SECONDS = 5.0;   /* for one that was asked to end */
-
-/* The path of dm2-server beside argv0, or its bare name for a search on PATH. malloc'd, NULL without memory.
- */
-static char *server_path(const char *argv0)
-{
-    static const char name[] = "dm2-server";
-    const char *slash = strrchr(argv0, '/');
-    size_t directory = slash == NULL ? 0 : (size_t)(slash - argv0) + 1;
-    char *path = mem_alloc(directory + sizeof name, 1);
-    if (path == NULL)
-        return NULL;
-    memcpy(path, argv0, directory);
-    memcpy(path + directory, name, sizeof name);
-    if (directory > 0 && access(path, X_OK) != 0)
-        memcpy(path, name, sizeof name);
-    return path;
-}
 
 /* In the child: only async-signal-safe calls until exec. */
 static void become_server(char *path, int out, bool verbose)
@@ -101,7 +85,7 @@ static enum dm2_status read_port(const struct local_server *server, const char *
 enum dm2_status local_servers_start(const char *argv0, int n, bool verbose, int cancel,
                                     struct local_servers *out, struct endpoints *list, struct dm2_error *err)
 {
-    char *path = server_path(argv0);
+    char *path = child_path(argv0, "dm2-server");
     enum dm2_status status = DM2_OK;
     *out = (struct local_servers){.items = mem_zalloc((size_t)n, sizeof *out->items)};
     if (path == NULL || out->items == NULL)

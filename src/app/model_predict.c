@@ -84,8 +84,9 @@ static enum dm2_status run(const struct model_options *o, struct dm2_error *err)
     return status == DM2_OK ? model_output_end(err) : status;
 }
 
-enum dm2_status model_predict_command(int argc, char **argv, struct dm2_error *err)
+enum dm2_status model_predict_command(const char *argv0, int argc, char **argv, struct dm2_error *err)
 {
+    (void)argv0;
     struct model_options o;
     struct option table[MODEL_OPTIONS];
     model_options_start(&o, table);

@@ -291,8 +291,9 @@ static enum dm2_status run(struct what_if *w, struct dm2_error *err)
     return status == DM2_OK ? model_output_end(err) : status;
 }
 
-enum dm2_status model_what_if_command(int argc, char **argv, struct dm2_error *err)
+enum dm2_status model_what_if_command(const char *argv0, int argc, char **argv, struct dm2_error *err)
 {
+    (void)argv0;
     struct what_if w = {.most = 64};
     struct option table[OPTIONS] = {
         {"table", 0, OPTION_TEXT, &w.table, "WHICH",

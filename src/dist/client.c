@@ -485,6 +485,42 @@ static enum dm2_status shake_hands(struct client *c, struct dm2_error *err)
     return gather(c, MESSAGE_WELCOME, LIMIT_HELLO, take_welcome, true, err);
 }
 
+static enum dm2_status take_echo(struct client *c, int rank, struct bytes_reader *r, struct dm2_error *err)
+{
+    if (bytes_remaining(r) == c->out.length && memcmp(r->data + r->at, c->out.data, c->out.length) == 0)
+        return DM2_OK;
+    return peer_failed(c, rank, DM2_PROTOCOL, "it did not send the same bytes back", err);
+}
+
+/* One message of n bytes to every server, and back from every one. */
+static enum dm2_status echo_once(struct client *c, uint32_t n, double *seconds, struct dm2_error *err)
+{
+    bytes_clear(&c->out);
+    for (uint32_t k = 0; k < n; k++)
+        bytes_put_u8(&c->out, (uint8_t)(k * 31));
+    enum dm2_status status = DM2_OK;
+    double start = clock_now();
+    for (int k = 0; k < c->ranks && status == DM2_OK; k++)
+        status = send_out(c, k, MESSAGE_ECHO, err);
+    if (status == DM2_OK)
+        status = gather(c, MESSAGE_ECHO, LIMIT_DECK, take_echo, false, err);
+    *seconds = clock_now() - start;
+    return status;
+}
+
+static enum dm2_status echo_all(struct client *c, struct client_echo *e, struct dm2_error *err)
+{
+    enum dm2_status status = DM2_OK;
+    double start = clock_now();
+    for (e->done = 0; e->done < e->repeats && status == DM2_OK; e->done++) {
+        if (e->done >= 2 && clock_now() - start > e->budget)
+            break;
+        for (int k = 0; k < e->sizes && status == DM2_OK; k++)
+            status = echo_once(c, e->bytes[k], &e->seconds[e->done * e->sizes + k], err);
+    }
+    return status;
+}
+
 static enum dm2_status take_deck_answer(struct client *c, int rank, struct bytes_reader *r,
                                         struct dm2_error *err)
 {
@@ -965,23 +1001,35 @@ static void close_profiles(struct client *c)
     free(c->profiles);
 }
 
+/* What connections need. */
+static enum dm2_status open_peers(struct client *c, struct dm2_error *err)
+{
+    size_t n = (size_t)c->ranks;
+    c->peers = mem_zalloc(n, sizeof *c->peers);
+    c->polls = mem_zalloc(n + 1, sizeof *c->polls);
+    c->polled = mem_zalloc(n, sizeof *c->polled);
+    if (c->peers == NULL || c->polls == NULL || c->polled == NULL)
+        return dm2_fail(err, DM2_MEMORY, "no memory for %d servers", c->ranks);
+    return DM2_OK;
+}
+
+/* What a run needs beside them. */
 static enum dm2_status open_client(struct client *c, struct dm2_error *err)
 {
     size_t n = (size_t)c->ranks;
     struct wire_limits limits = wire_limits_of(c->job->model);
-    c->peers = mem_zalloc(n, sizeof *c->peers);
-    c->polls = mem_zalloc(n + 1, sizeof *c->polls);
-    c->polled = mem_zalloc(n, sizeof *c->polled);
+    enum dm2_status status = open_peers(c, err);
+    if (status != DM2_OK)
+        return status;
     c->sources = mem_zalloc(n, sizeof *c->sources);
     c->report.servers = mem_zalloc(n, sizeof *c->report.servers);
-    if (c->peers == NULL || c->polls == NULL || c->polled == NULL || c->sources == NULL ||
-        c->report.servers == NULL)
+    if (c->sources == NULL || c->report.servers == NULL)
         return dm2_fail(err, DM2_MEMORY, "no memory for %d servers", c->ranks);
     state_merge_open(&c->snapshot.merge, limits);
     state_merge_open(&c->final.merge, limits);
     state_merge_open(&c->copy.merge, limits);
     rebuild_plan_start(&c->plan, c->job->config);
-    enum dm2_status status = open_profiles(c, err);
+    status = open_profiles(c, err);
     return status != DM2_OK ? status : relay_open(&c->relay, c->ranks, err);
 }
 
@@ -1039,6 +1087,8 @@ static enum dm2_status run_session(const struct client_job *job, const struct cl
         status = connect_all(&c, err);
     if (status == DM2_OK)
         status = shake_hands(&c, err);
+    if (status == DM2_OK && options->echo != NULL && !course->stepping)
+        status = echo_all(&c, options->echo, err);
     if (status == DM2_OK)
         status = share_deck(&c, err);
     if (status == DM2_OK)
@@ -1226,4 +1276,27 @@ enum dm2_status client_run(const struct client_job *job, const struct client_opt
     course.report.total = clock_now() - start;
     *report = course.report;
     return DM2_OK;
+}
+
+enum dm2_status client_measure_network(const struct client_options *options, int ranks, struct dm2_error *err)
+{
+    struct course course = {.stations = mem_zalloc((size_t)ranks, sizeof *course.stations), .copy_step = -1};
+    struct client c = {.options = options, .course = &course, .ranks = ranks, .at = -1, .culprit = -1};
+    struct dm2_error why = {0};
+    for (int k = 0; k < ranks && course.stations != NULL; k++)
+        course.stations[k].at = options->servers[k];
+    enum dm2_status status = course.stations != NULL ? open_peers(&c, &why)
+                                                     : dm2_fail(&why, DM2_MEMORY, "no memory for %d servers", ranks);
+    if (status == DM2_OK)
+        status = connect_all(&c, &why);
+    if (status == DM2_OK)
+        status = shake_hands(&c, &why);
+    if (status == DM2_OK)
+        status = echo_all(&c, options->echo, &why);
+    bytes_clear(&c.out);
+    for (int k = 0; k < ranks && status == DM2_OK; k++) /* an empty one: that was all */
+        status = send_out(&c, k, MESSAGE_ECHO, &why);
+    close_client(&c, status, &why);
+    free(course.stations);
+    return status == DM2_OK ? DM2_OK : dm2_fail(err, status, "%s", why.text);
 }

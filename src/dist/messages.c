@@ -293,6 +293,7 @@ void message_put_done(struct bytes_writer *w, const struct done_message *m)
     bytes_put_f64(w, t->wait);
     bytes_put_f64(w, t->unpack);
     bytes_put_f64(w, t->output);
+    bytes_put_f64(w, t->cpu);
     bytes_put_u64(w, t->steps);
     bytes_put_u64(w, t->rebuilds);
     bytes_put_u64(w, t->migrants);
@@ -314,6 +315,7 @@ void message_get_done(struct bytes_reader *r, struct done_message *m)
     t->wait = get_seconds(r);
     t->unpack = get_seconds(r);
     t->output = get_seconds(r);
+    t->cpu = get_seconds(r);
     t->steps = bytes_get_u64(r);
     t->rebuilds = bytes_get_u64(r);
     t->migrants = bytes_get_u64(r);
@@ -360,6 +362,7 @@ const char *message_name(uint8_t type, char buffer[16])
         [MESSAGE_DONE] = "DONE",
         [MESSAGE_ERROR] = "ERROR",
         [MESSAGE_PROFILE] = "PROFILE",
+        [MESSAGE_ECHO] = "ECHO",
         [MESSAGE_KNOCK] = "KNOCK",
         [MESSAGE_CHALLENGE] = "CHALLENGE",
         [MESSAGE_PROOF] = "PROOF",

@@ -55,7 +55,9 @@ static void add_log(struct bytes_writer *w, const struct run_report *r)
     add(w, "network: %llu bytes in %llu messages\n", (unsigned long long)bytes, (unsigned long long)messages);
     if (r->losses > 0)
         add(w, "servers lost and made good: %d\n", r->losses);
-    add(w, "client: %.3f s waiting for servers, %.3f s relaying\n", r->wait, r->relay);
+    add(w, "client: %.6f s waiting for servers, %.6f s relaying\n", r->wait, r->relay);
+    if (r->prediction != NULL)
+        bytes_put_raw(w, r->prediction, strlen(r->prediction));
     for (int k = 0; k < r->ranks; k++) {
         const struct server_report *s = &r->servers[k];
         const struct server_times *t = &s->times;
@@ -81,7 +83,7 @@ static void add_table(struct bytes_writer *w, const struct run_report *r)
     add(w, "server,host,cells,elements,mirrored,bytes,steps,forces [s],integrate [s],rebuild [s],pack "
            "[s],wait [s],"
            "unpack [s],output "
-           "[s],rebuilds,migrants,mirrored_steps,messages_in,messages_out,bytes_in,bytes_out\n");
+           "[s],cpu [s],rebuilds,migrants,mirrored_steps,messages_in,messages_out,bytes_in,bytes_out\n");
     for (int k = 0; k < r->ranks; k++) {
         const struct server_report *s = &r->servers[k];
         const struct server_times *t = &s->times;
@@ -90,7 +92,7 @@ static void add_table(struct bytes_writer *w, const struct run_report *r)
         add(w, "%d,%s,%zu,%llu,%llu,%llu,%llu", k, host, s->cells, (unsigned long long)s->owned,
             (unsigned long long)s->mirrored, (unsigned long long)s->bytes, (unsigned long long)t->steps);
         const double seconds[] = {t->forces, t->integrate, t->rebuild, t->pack,
-                                  t->wait,   t->unpack,    t->output};
+                                  t->wait,   t->unpack,    t->output,  t->cpu};
         for (size_t p = 0; p < sizeof seconds / sizeof seconds[0]; p++)
             add_number(w, seconds[p]);
         const uint64_t counts[] = {t->rebuilds,     t->migrants, t->mirrored, t->messages_in,

@@ -63,25 +63,30 @@ static enum dm2_status send_out(struct session *s, enum message_type type, struc
     return channel_send(&s->channel, (uint8_t)type, 0, s->out.data, s->out.length, patience(s), err);
 }
 
+/* Is this the message that is due? */
+static enum dm2_status check_type(const struct frame *f, enum message_type type, struct bytes_reader *out,
+                                  struct dm2_error *err)
+{
+    *out = bytes_reader_of(f->payload, f->length);
+    if (f->type == type)
+        return DM2_OK;
+    char name[2][16];
+    if (f->type == MESSAGE_ERROR) {
+        struct error_message m;
+        message_get_error(out, &m);
+        return dm2_fail(err, DM2_NET, "the client ended the session: %s", m.text);
+    }
+    return dm2_fail(err, DM2_PROTOCOL, "the client sent %s where %s is due", message_name(f->type, name[0]),
+                    message_name((uint8_t)type, name[1]));
+}
+
 /* Waits for a message of this type. */
 static enum dm2_status expect(struct session *s, enum message_type type, uint32_t limit,
                               struct deadline until, struct bytes_reader *out, struct dm2_error *err)
 {
     struct frame f;
     enum dm2_status status = channel_receive(&s->channel, limit, until, &f, err);
-    if (status != DM2_OK)
-        return status;
-    *out = bytes_reader_of(f.payload, f.length);
-    if (f.type == type)
-        return DM2_OK;
-    char name[2][16];
-    if (f.type == MESSAGE_ERROR) {
-        struct error_message m;
-        message_get_error(out, &m);
-        return dm2_fail(err, DM2_NET, "the client ended the session: %s", m.text);
-    }
-    return dm2_fail(err, DM2_PROTOCOL, "the client sent %s where %s is due", message_name(f.type, name[0]),
-                    message_name((uint8_t)type, name[1]));
+    return status == DM2_OK ? check_type(&f, type, out, err) : status;
 }
 
 static enum dm2_status not_decoded(const char *what, struct dm2_error *err)
@@ -273,12 +278,34 @@ static enum dm2_status load_deck(struct session *s, struct dm2_error *err)
     return status == DM2_OK ? check_elements(s, err) : status;
 }
 
+/* Waits for DECK; what comes before it is sent back as it is, so that the client can time the way there and back.
+ * With summary->measured that was all it came for. */
+static enum dm2_status expect_deck(struct session *s, struct bytes_reader *out, struct dm2_error *err)
+{
+    struct frame f;
+    enum dm2_status status;
+    for (;;) {
+        status = channel_receive(&s->channel, LIMIT_DECK, patience(s), &f, err);
+        if (status != DM2_OK || f.type != MESSAGE_ECHO)
+            break;
+        s->summary->measured = f.length == 0;
+        if (s->summary->measured)
+            return DM2_OK;
+        status = channel_send(&s->channel, MESSAGE_ECHO, 0, f.payload, f.length, patience(s), err);
+        if (status != DM2_OK)
+            break;
+        s->summary->echoes++;
+    }
+    return status == DM2_OK ? check_type(&f, MESSAGE_DECK, out, err) : status;
+}
+
 static enum dm2_status get_deck(struct session *s, struct dm2_error *err)
 {
     for (int attempt = 0;; attempt++) {
         struct bytes_reader r;
-        enum dm2_status status = expect(s, MESSAGE_DECK, LIMIT_DECK, patience(s), &r, err);
-        if (status != DM2_OK)
+        enum dm2_status status = attempt == 0 ? expect_deck(s, &r, err)
+                                              : expect(s, MESSAGE_DECK, LIMIT_DECK, patience(s), &r, err);
+        if (status != DM2_OK || s->summary->measured)
             return status;
         message_free_deck(&s->deck);
         message_get_deck(&r, &s->deck);
@@ -611,9 +638,11 @@ static enum dm2_status run_steps(struct session *s, struct dm2_error *err)
 {
     struct next_message asked = {.rebuild_next = s->assign.rebuild_first, .copy_next = s->assign.copy_first};
     enum dm2_status status = DM2_OK;
+    double cpu = clock_cpu();
     s->heard = clock_now();
     for (int64_t n = subdomain_step(s->sd); n < s->config.steps && status == DM2_OK; n++)
         status = step(s, n, &asked, err);
+    s->times.cpu = clock_cpu() - cpu;
     return status;
 }
 
@@ -669,6 +698,17 @@ static void free_session(struct session *s)
     bytes_free(&s->out);
 }
 
+/* Everything after the deck. */
+static enum dm2_status serve_run(struct session *s, struct dm2_error *err)
+{
+    enum dm2_status status = get_assignment(s, err);
+    if (status == DM2_OK)
+        status = send_ready(s, err);
+    if (status == DM2_OK)
+        status = run_steps(s, err);
+    return status == DM2_OK ? finish(s, err) : status;
+}
+
 enum dm2_status server_session(int fd, const char *peer, const struct server_options *options,
                                struct session_summary *summary, struct dm2_error *err)
 {
@@ -679,14 +719,8 @@ enum dm2_status server_session(int fd, const char *peer, const struct server_opt
     enum dm2_status status = shake_hands(&s, err);
     if (status == DM2_OK)
         status = get_deck(&s, err);
-    if (status == DM2_OK)
-        status = get_assignment(&s, err);
-    if (status == DM2_OK)
-        status = send_ready(&s, err);
-    if (status == DM2_OK)
-        status = run_steps(&s, err);
-    if (status == DM2_OK)
-        status = finish(&s, err);
+    if (status == DM2_OK && !summary->measured)
+        status = serve_run(&s, err);
     if (status != DM2_OK && status != DM2_NET)
         tell_client(&s, err);
     channel_hang_up(&s.channel,
@@ -703,6 +737,9 @@ static void log_session(const struct session_summary *sum, enum dm2_status statu
     if (sum->rank >= 0)
         (void)snprintf(what, sizeof what, "%s, rank %d of %d, %lld steps in %.3f s", sum->deck, sum->rank,
                        sum->ranks, (long long)sum->steps, sum->seconds);
+    if (sum->measured)
+        (void)snprintf(what, sizeof what, "network measured, %llu round trips in %.3f s",
+                       (unsigned long long)sum->echoes, sum->seconds);
     if (status == DM2_OK)
         (void)snprintf(line, sizeof line, "done: %s", what);
     else

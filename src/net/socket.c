@@ -28,7 +28,7 @@ enum { IOV_MOST = IOV_MAX };
 enum { IOV_MOST = 16 }; /* _XOPEN_IOV_MAX, what POSIX promises */
 #endif
 
-enum { LISTEN_BACKLOG = 16 };
+enum { LISTEN_BACKLOG = 128 };
 
 struct deadline deadline_in(double seconds, int cancel)
 {

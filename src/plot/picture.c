@@ -87,6 +87,7 @@ static const struct quantity quantities[] = {
     {"strain-xy", "strain xy", "strain", SCHEME_DIVERGING, third},
     {"fragment", "fragment", "fragment", SCHEME_CATEGORY, first},
     {"phase", "phase", "phase", SCHEME_CATEGORY, first},
+    {"composition", "mass fraction of the product", "composition", SCHEME_SEQUENTIAL, third},
     {"grain", "grain", "grain", SCHEME_CATEGORY, first},
     {"body", "body", "body", SCHEME_CATEGORY, first},
 };
@@ -121,8 +122,8 @@ struct picture {
 const char *picture_colours(void)
 {
     return "material velocity vx vy stress stress-xx stress-yy stress-xy pressure temperature spin links "
-           "contacts bonds damage strain strain-area strain-xx strain-yy strain-xy fragment phase grain body, or "
-           "ARRAY or ARRAY:COMPONENT of the file";
+           "contacts bonds damage strain strain-area strain-xx strain-yy strain-xy fragment phase composition grain "
+           "body, or ARRAY or ARRAY:COMPONENT of the file";
 }
 
 /* --- what is shown ----------------------------------------------------------------------------------------

@@ -234,26 +234,25 @@ static int remember(struct builder *b, uint32_t i, const struct carried_pair *pa
     return 0;
 }
 
-/* Sorts carried pairs by row, counting, into lists->sorted; lists->rows has n_own + 1 starts. */
-static int sort_carried(struct lists *l, const struct carried_pair *in, size_t n, size_t n_own)
+int lists_carry_start(struct lists *l, size_t n_own)
 {
-    void *sorted = l->sorted, *rows = l->rows;
-    int status = mem_grow(&sorted, &l->sorted_cap, 0, n + 1, sizeof *l->sorted);
-    l->sorted = sorted;
-    if (status == 0)
-        status = mem_grow(&rows, &l->rows_cap, 0, n_own + 2, sizeof *l->rows);
+    void *rows = l->rows;
+    int status = mem_grow(&rows, &l->rows_cap, 0, n_own + 2, sizeof *l->rows);
     l->rows = rows;
-    if (status != 0)
-        return -1;
-    uint32_t *start = l->rows;
-    memset(start, 0, (n_own + 2) * sizeof *start);
-    for (size_t k = 0; k < n; k++)
-        start[in[k].a + 2]++;
+    if (status == 0)
+        memset(l->rows, 0, (n_own + 2) * sizeof *l->rows);
+    return status;
+}
+
+/* Counts become starts: rows[a + 1] is the cursor of row a and ends where the next row begins. */
+int lists_carry_reserve(struct lists *l, size_t n_own)
+{
+    void *carried = l->carried;
     for (size_t i = 0; i < n_own; i++)
-        start[i + 2] += start[i + 1];
-    for (size_t k = 0; k < n; k++)
-        l->sorted[start[in[k].a + 1]++] = in[k];
-    return 0;
+        l->rows[i + 2] += l->rows[i + 1];
+    int status = mem_grow(&carried, &l->carried_cap, 0, (size_t)l->rows[n_own + 1] + 1, sizeof *l->carried);
+    l->carried = carried;
+    return status;
 }
 
 static struct builder begin(struct lists *lists, const struct model *m, const struct particles *p, bool initial)
@@ -272,8 +271,7 @@ static struct builder begin(struct lists *lists, const struct model *m, const st
 }
 
 enum dm2_status lists_build(struct lists *lists, const struct model *m, const struct particles *p,
-                            const struct cells *cells, const struct carried_pair *carried, size_t n_carried,
-                            bool initial, struct dm2_error *err)
+                            const struct cells *cells, bool initial, struct dm2_error *err)
 {
     struct builder b = begin(lists, m, p, initial);
     bool all_pairs = m->config->search == SEARCH_LISTS;
@@ -281,8 +279,7 @@ enum dm2_status lists_build(struct lists *lists, const struct model *m, const st
                   bins_lay_out(&lists->bins, &m->grid, sqrt(b.near_reach2), p->n);
     enum dm2_status status = DM2_MEMORY;
     if ((binned && bins_assign(&lists->bins, p) != 0) ||
-        list_reserve_rows(&lists->far, p->n_own) != 0 || list_reserve_rows(&lists->near, p->n_own) != 0 ||
-        sort_carried(lists, carried, n_carried, p->n_own) != 0)
+        list_reserve_rows(&lists->far, p->n_own) != 0 || list_reserve_rows(&lists->near, p->n_own) != 0)
         goto done;
     for (int own = 0; own < cells->n_own; own++) {
         for (uint32_t i = cells->start[own]; i < cells->start[own + 1]; i++) {
@@ -291,7 +288,7 @@ enum dm2_status lists_build(struct lists *lists, const struct model *m, const st
             if ((all_pairs ? row_from_all(&b, i)
                  : binned  ? row_from_bins(&b, i)
                            : row_from_cells(&b, cells, own, i)) != 0 ||
-                remember(&b, i, lists->sorted + lists->rows[i], lists->rows[i + 1] - lists->rows[i]) != 0)
+                remember(&b, i, lists->carried + lists->rows[i], lists->rows[i + 1] - lists->rows[i]) != 0)
                 goto done;
             if (m->wide_far)
                 pad_row(&b);
@@ -327,7 +324,7 @@ void lists_free(struct lists *l)
     free(l->stretch);
     free(l->spring);
     bins_free(&l->bins);
-    free(l->sorted);
+    free(l->carried);
     free(l->rows);
     *l = (struct lists){0};
 }
@@ -336,5 +333,5 @@ size_t lists_bytes(const struct lists *l)
 {
     return (l->far.row_cap + l->far.cap + l->near.row_cap + l->near.cap) * sizeof(uint32_t) +
            l->memory_cap * (1 + 2 * sizeof(double)) + bins_bytes(&l->bins) +
-           l->sorted_cap * sizeof *l->sorted + l->rows_cap * sizeof *l->rows;
+           l->carried_cap * sizeof *l->carried + l->rows_cap * sizeof *l->rows;
 }

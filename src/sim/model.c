@@ -294,8 +294,8 @@ static void stable_time_step(struct model *m)
                     double gamma[2] = {(6.0 * law->cn + 2.0 * law->ct) * root / mass, 24.0 * law->ct * root / mass};
                     for (int mode = 0; mode < 2; mode++) {
                         double g = gamma[mode], o = omega2[mode];
-                        if (!(o > 0.0))
-                            continue;
+                        if (!(o > 0.0) || c->bodies[body].motion != MOTION_FREE)
+                            continue; /* what is driven does not vibrate */
                         double dt = (sqrt(g * g + 4.0 * o) - g) / o;
                         if (dt < m->dt_stable) {
                             m->dt_stable = dt;

@@ -60,13 +60,12 @@ void particles_free(struct particles *p)
 {
     for (size_t c = 0; c < COLUMNS; c++)
         free(*column_of(p, c));
-    free(p->scratch);
     *p = (struct particles){0};
 }
 
 size_t particles_bytes(const struct particles *p)
 {
-    size_t bytes = p->scratch_cap * 3 * sizeof(double);
+    size_t bytes = 0;
     for (size_t c = 0; c < COLUMNS; c++)
         bytes += columns[c].bytes * p->cap;
     return bytes;
@@ -124,9 +123,7 @@ int particles_permute(struct particles *p, const uint32_t *from, size_t n)
         return -1;
     if (n == 0)
         return 0;
-    if (mem_grow(&p->scratch, &p->scratch_cap, 0, n, 3 * sizeof(double)) != 0) /* the widest of the state columns */
-        return -1;
-    char *scratch = p->scratch;
+    char *scratch = (char *)p->pair_sum; /* free between evaluations, and wider than any column of the state */
     for (size_t c = 0; c < STATE_COLUMNS; c++) {
         char *column = *column_of(p, c);
         size_t width = columns[c].bytes;

@@ -4,7 +4,8 @@
  * contact takes at most a fixed part of it (1/8; 1/64 where discs differ so much that one may touch many), so
  * that no order of pairs can overdraw an element. Masses are added as integers: any order and any number of
  * servers give the same bits, and what A and B lose is exactly what product gains, since an element's product
- * is what its two fractions leave of 1. The heat is shared half and half.
+ * is what its two fractions leave of 1. Each element gets the heat of the product that forms in it, so that both
+ * come to the same temperature.
  *
  * Rates are those at the evaluation; they are taken after the move, so that a row of the history sees
  * neither. */
@@ -49,14 +50,14 @@ static bool react(const struct model *m, const struct particles *p, size_t i, si
     struct reaction_side a = {p->mass[i], p->share[2 * i]}, b = {p->mass[j], p->share[2 * j + 1]};
     double reacted[2];
     reaction_rate(x, a, b, temperature, area, dt, reacted);
-    double heat = 0.5 * x->heat * (reacted[0] + reacted[1]) * m->fixed.heat;
-    if (!(fabs(heat) < 0x1p57))
+    double heat = x->heat * m->fixed.heat;
+    if (!(fabs(heat * (reacted[0] + reacted[1])) < 0x1p57))
         return false;
     int64_t *si = sums + REACTION_SUMS * i, *sj = sums + REACTION_SUMS * j;
     si[REACTION_A] += to_fixed(reacted[0] * x->mass_scale);
     sj[REACTION_B] += to_fixed(reacted[1] * x->mass_scale);
-    si[REACTION_HEAT] += to_fixed(heat);
-    sj[REACTION_HEAT] += to_fixed(heat);
+    si[REACTION_HEAT] += to_fixed(heat * reacted[0]);
+    sj[REACTION_HEAT] += to_fixed(heat * reacted[1]);
     return true;
 }
 

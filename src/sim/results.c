@@ -499,7 +499,6 @@ enum dm2_status results_snapshot(struct results *r, int64_t step, const struct e
     struct fragment_counts counts;
     if (step <= r->snapshot_step)
         return DM2_OK;
-    r->snapshot_step = step;
     uint32_t *fragment = mem_alloc(n_elements, sizeof *fragment);
     if (fragment == NULL)
         return dm2_fail(err, DM2_MEMORY, "no memory for the fragments of %zu elements", n_elements);
@@ -509,6 +508,8 @@ enum dm2_status results_snapshot(struct results *r, int64_t step, const struct e
     if (status == DM2_OK)
         status = write_snapshot(
             r, &(struct snapshot){r->config, step, elements, measured, n_elements, pairs, n_pairs, fragment}, err);
+    if (status == DM2_OK)
+        r->snapshot_step = step;
     free(fragment);
     return status;
 }

@@ -54,11 +54,6 @@ struct slot_array {
     size_t n, cap;
 };
 
-struct carried_array {
-    struct carried_pair *item;
-    size_t n, cap;
-};
-
 /* What this rank gives to and gets from one other rank. */
 struct peer {
     struct element_array migrants, mirrors; /* of the parcel being made */
@@ -78,7 +73,6 @@ struct subdomain {
     struct peer *peers;    /* [ranks] */
     struct idmap ids;      /* of mirrored elements and immigrants, for the memory of pairs */
     struct block from, moved, old_id; /* of settle */
-    struct carried_array carried;     /* of settle */
     int32_t *cell_of;      /* global cell of each owned slot at the last sort_out; -1: emigrated */
     size_t cell_cap;
     size_t n_leaving;      /* emigrants of the last sort_out, still in their slots until take_in */
@@ -261,27 +255,23 @@ static int32_t new_slot(const struct subdomain *sd, const uint32_t *moved, size_
     return idmap_find(&sd->ids, id);
 }
 
-/* Keeps the memory of a pair if both elements are here and one is owned. */
-static int carry(const struct subdomain *sd, struct carried_array *out, int32_t a, int32_t b, bool linked, double stretch,
-                 double spring)
+/* Keeps the memory of a pair if both elements are here and one is owned: counts it, or places it. */
+static void carry(struct subdomain *sd, bool place, int32_t a, int32_t b, struct carried_pair pair)
 {
     if (a < 0 || b < 0)
-        return 0;
-    uint32_t low = (uint32_t)(a < b ? a : b), high = (uint32_t)(a < b ? b : a);
+        return;
+    uint32_t low = (uint32_t)(a < b ? a : b);
     if (low >= sd->p.n_own)
-        return 0;
-    void *block = out->item;
-    int status = mem_grow(&block, &out->cap, out->n, out->n + 1, sizeof *out->item);
-    out->item = block;
-    if (status == 0)
-        out->item[out->n++] =
-            (struct carried_pair){.a = low, .b = high, .linked = linked, .stretch = stretch, .spring = spring};
-    return status;
+        return;
+    pair.b = (uint32_t)(a < b ? b : a);
+    if (place)
+        lists_carry_place(&sd->lists, low, pair);
+    else
+        lists_carry_count(&sd->lists, low);
 }
 
 /* What the lists remember, in new slots. old_id[] are the ids of all old slots, mirrored ones too. */
-static int carry_memory(const struct subdomain *sd, size_t n_old, const uint32_t *moved, const uint32_t *old_id,
-                        struct carried_array *out)
+static void carry_memory(struct subdomain *sd, bool place, size_t n_old, const uint32_t *moved, const uint32_t *old_id)
 {
     const struct lists *l = &sd->lists;
     for (size_t i = 0; i < n_old; i++) {
@@ -289,12 +279,10 @@ static int carry_memory(const struct subdomain *sd, size_t n_old, const uint32_t
             if (!lists_remembers(l, k))
                 continue;
             size_t j = l->near.j[k];
-            if (carry(sd, out, new_slot(sd, moved, n_old, i, old_id[i]), new_slot(sd, moved, n_old, j, old_id[j]),
-                      l->linked[k], l->stretch[k], l->spring[k]) != 0)
-                return -1;
+            struct carried_pair pair = {.linked = l->linked[k], .stretch = l->stretch[k], .spring = l->spring[k]};
+            carry(sd, place, new_slot(sd, moved, n_old, i, old_id[i]), new_slot(sd, moved, n_old, j, old_id[j]), pair);
         }
     }
-    return 0;
 }
 
 /* New slot by id alone: mirrors and newcomers are in the map; stayers are looked up among `stayers`, sorted by id. */
@@ -308,29 +296,51 @@ static int32_t slot_of_id(const struct subdomain *sd, const struct id_slot *stay
     return found != NULL ? (int32_t)found->slot : -1;
 }
 
-static int carry_parcels(const struct subdomain *sd, const struct parcel *parcels, size_t n_parcels,
-                         const uint32_t *moved, const uint32_t *old_id, size_t n_old, struct carried_array *out)
+/* The stayers by id, for carry_parcels; NULL without memory. */
+static struct id_slot *sort_stayers(const uint32_t *moved, const uint32_t *old_id, size_t n_old, size_t *n)
 {
+    struct id_slot *stayers = mem_alloc(n_old, sizeof *stayers);
+    *n = 0;
+    for (size_t i = 0; stayers != NULL && i < n_old; i++) {
+        if (moved[i] != PARTICLES_NONE)
+            stayers[(*n)++] = (struct id_slot){old_id[i], moved[i]};
+    }
+    if (stayers != NULL)
+        qsort(stayers, *n, sizeof *stayers, by_id);
+    return stayers;
+}
+
+/* What came with the migrants. */
+static void carry_parcels(struct subdomain *sd, bool place, const struct parcel *parcels, size_t n_parcels,
+                          const struct id_slot *stayers, size_t n)
+{
+    for (size_t q = 0; q < n_parcels; q++) {
+        for (size_t k = 0; k < parcels[q].n_pairs; k++) {
+            const struct pair_record *from = &parcels[q].pairs[k];
+            struct carried_pair pair = {.linked = from->linked != 0, .stretch = from->stretch, .spring = from->spring};
+            carry(sd, place, slot_of_id(sd, stayers, n, from->id_a), slot_of_id(sd, stayers, n, from->id_b), pair);
+        }
+    }
+}
+
+/* Hands all memory over to the lists to be built: once to count, once to place. 0, or -1 without memory. */
+static int carry_all(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels, size_t n_old,
+                     const uint32_t *moved, const uint32_t *old_id, bool initial)
+{
+    struct id_slot *stayers = NULL;
     size_t pairs = 0, n = 0;
     for (size_t q = 0; q < n_parcels; q++)
         pairs += parcels[q].n_pairs;
-    if (pairs == 0)
-        return 0;
-    struct id_slot *stayers = mem_alloc(n_old, sizeof *stayers);
-    if (stayers == NULL)
+    if (pairs > 0 && (stayers = sort_stayers(moved, old_id, n_old, &n)) == NULL)
         return -1;
-    for (size_t i = 0; i < n_old; i++) {
-        if (moved[i] != PARTICLES_NONE)
-            stayers[n++] = (struct id_slot){old_id[i], moved[i]};
-    }
-    qsort(stayers, n, sizeof *stayers, by_id);
-    int status = 0;
-    for (size_t q = 0; q < n_parcels && status == 0; q++) {
-        for (size_t k = 0; k < parcels[q].n_pairs && status == 0; k++) {
-            const struct pair_record *pair = &parcels[q].pairs[k];
-            status = carry(sd, out, slot_of_id(sd, stayers, n, pair->id_a), slot_of_id(sd, stayers, n, pair->id_b),
-                           pair->linked != 0, pair->stretch, pair->spring);
-        }
+    int status = lists_carry_start(&sd->lists, sd->p.n_own);
+    for (int place = 0; place < 2 && status == 0; place++) {
+        if (place)
+            status = lists_carry_reserve(&sd->lists, sd->p.n_own);
+        if (status == 0 && !initial)
+            carry_memory(sd, place, n_old, moved, old_id);
+        if (status == 0)
+            carry_parcels(sd, place, parcels, n_parcels, stayers, n);
     }
     free(stayers);
     return status;
@@ -386,7 +396,6 @@ static enum dm2_status settle(struct subdomain *sd, const struct parcel *parcels
 {
     size_t n_old = sd->p.n_own, n_all_old = sd->p.n, stayers = 0;
     struct intake in = {0};
-    struct carried_array *carried = &sd->carried;
     uint32_t *from = NULL, *newcomer_slot = NULL, *moved = NULL, *old_id = NULL;
     enum dm2_status status = gather(sd, parcels, n_parcels, &in, err);
     if (status != DM2_OK)
@@ -398,7 +407,6 @@ static enum dm2_status settle(struct subdomain *sd, const struct parcel *parcels
         status = dm2_fail(err, DM2_NUMERIC, "a subdomain holds more than 2^31 elements: use more servers");
         goto done;
     }
-    carried->n = 0;
     from = block_hold(&sd->from, n, sizeof *from);
     newcomer_slot = mem_alloc(in.n_newcomers, sizeof *newcomer_slot);
     moved = block_hold(&sd->moved, n_old, sizeof *moved);
@@ -429,11 +437,10 @@ static enum dm2_status settle(struct subdomain *sd, const struct parcel *parcels
     if (status != DM2_OK)
         goto done;
     status = DM2_MEMORY;
-    if ((!initial && carry_memory(sd, n_old, moved, old_id, carried) != 0) ||
-        carry_parcels(sd, parcels, n_parcels, moved, old_id, n_old, carried) != 0 || build_send_lists(sd) != 0)
+    if (carry_all(sd, parcels, n_parcels, n_old, moved, old_id, initial) != 0 || build_send_lists(sd) != 0)
         goto done;
     sd->p.r[2 * n] = sd->p.r[2 * n + 1] = PARTICLES_FAR;
-    status = lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, carried->item, carried->n, initial, err);
+    status = lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, initial, err);
 done:
     free(in.newcomers);
     free(in.mirrors);
@@ -563,7 +570,6 @@ void subdomain_free(struct subdomain *sd)
     free(sd->from.item);
     free(sd->moved.item);
     free(sd->old_id.item);
-    free(sd->carried.item);
     free(sd);
 }
 
@@ -586,8 +592,7 @@ size_t subdomain_bytes(const struct subdomain *sd)
 {
     size_t bytes = sizeof *sd + particles_bytes(&sd->p) + lists_bytes(&sd->lists) + cells_bytes(&sd->cells, &sd->map) +
                    sd->cell_cap * sizeof *sd->cell_of + sd->ids.slots * 8 + sd->from.cap + sd->moved.cap + sd->old_id.cap +
-                   sd->carried.cap * sizeof *sd->carried.item + sd->strain.cap * STRAIN_SUMS * sizeof *sd->strain.sum +
-                   sd->reacted.cap * sizeof *sd->reacted.item;
+                   sd->strain.cap * STRAIN_SUMS * sizeof *sd->strain.sum + sd->reacted.cap * sizeof *sd->reacted.item;
     for (int r = 0; r < sd->map.ranks; r++)
         bytes += sd->peers[r].send.cap * sizeof(uint32_t) +
                  (sd->peers[r].migrants.cap + sd->peers[r].mirrors.cap) * sizeof(struct element) +

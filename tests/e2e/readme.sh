@@ -27,7 +27,7 @@ expect_status 0 sh -ex commands
 [ -s vy.svg ] && [ -s surface.svg ] || fail "dm2-plot left no pictures"
 
 # Options: everything that looks like one is known to a program.
-for program in dm2-client dm2-server dm2-seq 'dm2-plot snapshot' 'dm2-plot chart'; do
+for program in dm2-client dm2-server dm2-seq 'dm2-plot snapshot' 'dm2-plot chart' 'dm2-model calibrate'; do
     # shellcheck disable=SC2086  # a program and its command
     bin/$program --help >>help || fail "$program --help"
 done

@@ -54,7 +54,9 @@ struct run {
 };
 
 /* Reads, checks and builds, and reads the state of --restart: DM2_PROTOCOL or DM2_IO where that cannot be used, with
- * the reason and the checkpoint before it, if that one can. The deck's findings are printed on standard error (warnings not with --quiet).
+ * the reason and the checkpoint before it, if that one can.
+ *
+ * The deck's findings are printed on standard error (warnings not with --quiet).
  * DM2_DECK and others, with a closing sentence in *err. */
 enum dm2_status run_load(const struct run_options *o, struct run *run, struct dm2_error *err);
 void run_free(struct run *run);

@@ -24,6 +24,18 @@ struct client_events {
     void (*note)(void *context, const char *line); /* something that takes long, or went wrong and is mended */
 };
 
+/* Round trips of a message to all servers and back from all (the paper's section 3.3 and Fig. 3). */
+struct client_echo {
+    const uint32_t *bytes; /* sizes of the message, 1 to ECHO_BYTES_MAX */
+    int sizes;
+    int repeats;     /* of each size, at most; sizes take turns */
+    double budget;   /* seconds after which no further turn begins; the first two take place in any case */
+    double *seconds; /* out: repeats * sizes, one turn after another */
+    int done;        /* out: turns that took place */
+};
+
+enum { ECHO_BYTES_MAX = 4 * 1024 * 1024 };
+
 struct client_options {
     const struct endpoint *servers; /* one per rank of the decomposition, */
     const struct endpoint *spares;  /* and those that stand in for one that is lost */
@@ -40,6 +52,7 @@ struct client_options {
     double timeout;        /* seconds of a server's silence */
     bool send_deck;        /* send the texts at once */
     int64_t hash_every;    /* 0: never */
+    struct client_echo *echo; /* measured before the run; NULL: nothing is */
     int cancel;            /* readable when the process is asked to end; -1: none */
     const struct auth_key *key; /* to be proved to every server, and by it; NULL: none */
     struct client_events events;
@@ -66,5 +79,8 @@ struct client_job {
  * a signal asks for the end, the state in hand is left as a checkpoint. */
 enum dm2_status client_run(const struct client_job *job, const struct client_options *options,
                            struct run_report *report, struct dm2_error *err);
+
+/* A session for options->echo alone, with `ranks` servers; needs of the options what a connection needs. */
+enum dm2_status client_measure_network(const struct client_options *options, int ranks, struct dm2_error *err);
 
 #endif

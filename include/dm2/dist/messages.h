@@ -18,7 +18,7 @@
 #include "dm2/sim/deck.h"
 #include "dm2/sim/measures.h"
 
-enum { PROTOCOL_VERSION = 4 };
+enum { PROTOCOL_VERSION = 5 };
 
 enum { DEFAULT_PORT = 4702 }; /* of a server; the one place where it is written */
 
@@ -34,6 +34,7 @@ enum message_type {
     MESSAGE_NEXT = 8,    /* c: the segments of others, and what to do next */
     MESSAGE_STATE = 9,   /* either: a part of a state */
     MESSAGE_DONE = 10,   /* s: last measures, timing; the session is over */
+    MESSAGE_ECHO = 13,   /* c: bytes, after WELCOME; s: the same bytes. An empty one ends the session */
     MESSAGE_ERROR = 11,  /* either: why the session ends now */
     MESSAGE_PROFILE = 12, /* s: the sums of a profile, before STEP or DONE as STATE is */
     /* Before HELLO where a key is in use (dm2/dist/auth.h); the payloads are nonces and codes as they are. */
@@ -122,6 +123,7 @@ struct state_message {
 /* What a server counted in a session; seconds. */
 struct server_times {
     double forces, integrate, rebuild, pack, wait, unpack, output;
+    double cpu; /* of the processor, in all steps */
     uint64_t steps, rebuilds, migrants, mirrored; /* migrants sent away; mirrored: sum over steps */
     uint64_t messages_in, messages_out, bytes_in, bytes_out;
 };

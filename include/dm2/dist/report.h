@@ -32,6 +32,7 @@ struct run_report {
     int losses; /* of servers, from which the run recovered */
     int ranks;
     struct server_report *servers; /* ranks of them */
+    const char *prediction;        /* lines of text about it for run.log; NULL: none */
 };
 
 /* Element-steps per second of the time steps alone; 0 where nothing was timed. */

@@ -28,6 +28,8 @@ struct session_summary {
     char deck[200];
     int rank, ranks;
     int64_t steps; /* done */
+    uint64_t echoes; /* round trips of bytes that mean nothing */
+    bool measured;   /* they were all that the session was for */
     double seconds;
 };
 

@@ -35,7 +35,7 @@ struct material_config {
     double c0;        /* bulk sound speed of Us = c0 + s up, cm/us; NaN: interaction gives k or epsilon */
     double s;         /* slope of Us = c0 + s up; NaN: interaction gives shape */
     double shear;     /* shear modulus G, Mbar; NaN: no shear stiffness from the material */
-    double yield;     /* yield stress in shear Y, Mbar; NaN: elastic without limit */
+    double yield;     /* flow stress Y, Mbar: shear yields at Y/2 to Y/sqrt(3); NaN: elastic */
     double tensile;   /* tensile strength Yt0, Mbar; NaN: links only break at link_break */
     double softening; /* exponent n of Yt(T), default 1 */
     double t0;        /* reference temperature T0, K, default 300 */

@@ -22,11 +22,11 @@ struct half_list {
     size_t row_cap, cap;
 };
 
-/* Memory of pairs that survives a rebuild, by new slots a < b, a owned; sorted into rows by a. */
+/* Memory of a pair that survives a rebuild, in the row of its lower new slot. */
 struct carried_pair {
-    uint32_t a, b;
-    double stretch, spring;
+    uint32_t b; /* higher new slot */
     bool linked;
+    double stretch, spring;
 };
 
 struct lists {
@@ -36,19 +36,32 @@ struct lists {
     double *stretch, *spring;
     size_t memory_cap;
     struct bins bins; /* of the last build, where bins served it */
-    /* of a build: the carried pairs by row */
-    struct carried_pair *sorted;
+    /* what the next build gives to its entries: carried pairs by row */
+    struct carried_pair *carried;
     uint32_t *rows;
-    size_t sorted_cap, rows_cap;
+    size_t carried_cap, rows_cap;
 };
 
-/* Builds both lists for the elements of p, which are in cell order. carried[0 .. n_carried) is given to the new
- * entries (in any order; a pair may come twice with the same memory). With `initial`, lattice neighbours whose
- * interface says so start linked. DM2_MEMORY; DM2_DECK: with `initial`, two elements closer than half their contact
- * distance; DM2_NUMERIC: more than 2^32 - 1 entries. */
+/* Memory is handed over in two passes, so that it needs no room beside its sorted place: start, count every pair by its
+ * lower new slot, reserve, then place each of them (a pair may come twice with the same memory). start and reserve: 0,
+ * or -1 without memory. */
+int lists_carry_start(struct lists *lists, size_t n_own);
+static inline void lists_carry_count(struct lists *lists, uint32_t a)
+{
+    lists->rows[a + 2]++;
+}
+int lists_carry_reserve(struct lists *lists, size_t n_own);
+static inline void lists_carry_place(struct lists *lists, uint32_t a, struct carried_pair pair)
+{
+    lists->carried[lists->rows[a + 1]++] = pair;
+}
+
+/* Builds both lists for the elements of p, which are in cell order, and gives the new entries what was carried (the calls
+ * above, for p->n_own rows, come first). With `initial`, lattice neighbours whose interface says so start linked.
+ * DM2_MEMORY; DM2_DECK: with `initial`, two elements closer than half their contact distance; DM2_NUMERIC: more than
+ * 2^32 - 1 entries. */
 enum dm2_status lists_build(struct lists *lists, const struct model *m, const struct particles *p,
-                            const struct cells *cells, const struct carried_pair *carried, size_t n_carried,
-                            bool initial, struct dm2_error *err);
+                            const struct cells *cells, bool initial, struct dm2_error *err);
 void lists_free(struct lists *lists);
 size_t lists_bytes(const struct lists *lists);
 

@@ -50,8 +50,6 @@ struct particles {
     int64_t *around;   /* [n][AROUND_COUNT] of the pairs that touch or are linked then: their number, and the fixed-point
                           sum of r (x) r, which tells the area that an element has among its neighbours */
     uint16_t *links, *contacts; /* [n] of the last measuring step */
-    void *scratch;              /* of particles_permute */
-    size_t scratch_cap;
 };
 
 /* Where slot n, which belongs to nobody, lies while lists are padded with it, cm; its square is finite. */
@@ -66,7 +64,7 @@ size_t particles_bytes(const struct particles *p);
 void particles_get(const struct particles *p, size_t i, struct element *out);
 void particles_put(struct particles *p, const struct model *m, size_t i, const struct element *in);
 
-/* Rearranges the state (not the sums): new slot k gets what slot from[k] held, for k < n; a slot with
+/* Rearranges the state; the pair sums are lost: new slot k gets what slot from[k] held, for k < n; a slot with
  * from[k] = PARTICLES_NONE is left to be put. 0, or -1 without memory. The caller sets n and n_own. */
 #define PARTICLES_NONE UINT32_MAX
 int particles_permute(struct particles *p, const uint32_t *from, size_t n);

@@ -117,7 +117,8 @@ enum dm2_status results_text(struct results *r, const char *name, const char *te
 /* Gives history.csv its name and frees r, also where that fails (then as results_abort). */
 enum dm2_status results_close(struct results *r, struct dm2_error *err);
 
-/* Removes what is not complete but for tables that a checkpoint needs, and the directory where results_open made it and it is empty; frees r (NULL
+/* Removes what is not complete but for tables that a checkpoint needs, and
+ * the directory where results_open made it and it is empty; frees r (NULL
  * is fine). Never fails: there is nobody left to tell. */
 void results_abort(struct results *r);
 

@@ -1,0 +1,117 @@
+/* What the model says about a run, in words. Every run has its line: with the constants of a calibration file where there
+ * is one, else with what can be learned from the run itself, and then it says so: such an estimate takes T_seq from the
+ * very times that it is compared with, so it tells about communication and balance, not about computing. */
+#include "dm2/app/prediction.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "dm2/base/mem.h"
+#include "dm2/base/version.h"
+#include "dm2/dist/wire.h"
+
+/* An element that moves takes its pairs along: six on a hexagonal lattice. */
+enum { MIGRANT_BYTES = WIRE_ELEMENT + 6 * WIRE_PAIR };
+
+enum dm2_status prediction_calibration(const char *option, struct calibration *out, char path[PREDICTION_TEXT],
+                                       char note[PREDICTION_TEXT], struct dm2_error *err)
+{
+    char host[CALIBRATION_TEXT_MAX] = "";
+    const char *named = option != NULL ? option : getenv("DM2_CALIBRATION");
+    bool asked = named != NULL && named[0] != '\0';
+    path[0] = note[0] = '\0';
+    if (!asked && access(CALIBRATION_FILE, F_OK) != 0)
+        return DM2_OK;
+    (void)snprintf(path, PREDICTION_TEXT, "%s", asked ? named : CALIBRATION_FILE);
+    if (gethostname(host, sizeof host - 1) != 0)
+        return dm2_fail(err, DM2_IO, "this machine's host name cannot be found out");
+    enum dm2_status status = calibration_read(path, host, DM2_VERSION, out, err);
+    if (status == DM2_OK || asked)
+        return status;
+    (void)snprintf(note, PREDICTION_TEXT, "%s; the prediction is estimated from the run itself", err->text);
+    path[0] = '\0';
+    return DM2_OK;
+}
+
+static double cells_of(const struct run_report *r)
+{
+    double cells = 0;
+    for (int k = 0; k < r->ranks; k++)
+        cells += (double)r->servers[k].cells;
+    return cells;
+}
+
+void prediction_calibrated(const struct calibration *c, const char *path, const struct run_report *r, int processors,
+                           struct prediction_basis *out)
+{
+    *out = (struct prediction_basis){.t_seq = perf_t_seq_cells(&c->perf, (double)r->elements, cells_of(r)),
+                                     .processors = processors};
+    bool row = perf_network(&c->perf, r->ranks, &out->m, &out->b);
+    (void)snprintf(out->source, sizeof out->source, "calibrated: %.200s%s", path,
+                   row ? "" : ", m and b inferred from other numbers of servers");
+}
+
+void prediction_estimated(const struct network_line *line, const struct run_report *r, int processors,
+                          struct prediction_basis *out)
+{
+    *out = (struct prediction_basis){.m = line->m, .b = line->b, .processors = processors};
+    for (int k = 0; k < r->ranks; k++) {
+        const struct server_times *t = &r->servers[k].times;
+        double computing = t->forces + t->integrate + t->rebuild;
+        double all = computing + t->pack + t->unpack + t->output;
+        if (t->steps > 0 && all > 0)
+            out->t_seq += t->cpu * (computing / all) / (double)t->steps;
+    }
+    (void)snprintf(out->source, sizeof out->source,
+                   "estimated from this run's own processor time and %d round trips before it", line->turns * line->sizes);
+}
+
+bool prediction_explain(const struct run_report *r, const struct prediction_basis *basis, struct explanation *out)
+{
+    struct explain_server *servers = mem_zalloc((size_t)r->ranks, sizeof *servers);
+    if (servers == NULL || r->timed == 0 || !(r->stepping > 0) || r->steps == 0) {
+        free(servers);
+        return false;
+    }
+    for (int k = 0; k < r->ranks; k++) {
+        const struct server_times *t = &r->servers[k].times;
+        double steps = (double)r->steps;
+        servers[k] = (struct explain_server){.computing = (t->forces + t->integrate + t->rebuild) / steps,
+                                             .packing = (t->pack + t->unpack) / steps,
+                                             .mirrored = (double)r->servers[k].mirrored,
+                                             .migrants = (double)t->migrants / steps};
+    }
+    const struct explain_input in = {.servers = r->ranks,
+                                     .processors = basis->processors,
+                                     .t_seq = basis->t_seq,
+                                     .m = basis->m,
+                                     .b = basis->b,
+                                     .g = (double)r->update_bytes,
+                                     .g_migrant = MIGRANT_BYTES,
+                                     .measured = r->stepping / (double)r->timed,
+                                     .relay = r->relay / (double)r->steps,
+                                     .redone = (double)r->redone / (double)r->steps,
+                                     .server = servers};
+    *out = explain_run(&in);
+    free(servers);
+    return true;
+}
+
+void prediction_text(const struct explanation *e, const struct prediction_basis *basis, const struct run_report *r,
+                     char out[PREDICTION_TEXT])
+{
+    char crowd[80] = "";
+    double difference = e->measured - e->predicted;
+    if (basis->processors < r->ranks)
+        (void)snprintf(crowd, sizeof crowd, ", %d servers on %d processors", r->ranks, basis->processors);
+    (void)snprintf(out, PREDICTION_TEXT,
+                   "predicted: %.4g ms per step = %.4g computing + %.4g communication (%s%s)\n"
+                   "measured: %.4g ms per step, %+.1f %%; largest cause of the difference: %s, %+.3g ms\n"
+                   "speedup: %.3g, efficiency %.3g, against T_seq %.4g ms per step\n",
+                   1e3 * e->predicted, 1e3 * e->computing, 1e3 * e->communication, basis->source, crowd,
+                   1e3 * e->measured, 100 * difference / e->predicted, explain_cause_name(e->largest),
+                   1e3 * e->share[e->largest], e->speedup, e->efficiency, 1e3 * basis->t_seq);
+}

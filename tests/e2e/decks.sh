@@ -1,0 +1,78 @@
+# The decks of the applications: the energy book closes within 1 % of what was put in, what each deck's comment promises
+# is seen, and 2, 4 and 7 servers leave the same bytes as one process.
+# labels: e2e physics bits
+# timeout: 180
+. "$DM2_SRC/tests/lib.sh"
+
+# last COLUMN, largest COLUMN: of history.csv of the run, by the start of the column's name.
+last()
+{
+    awk -F, -v name="$1" 'NR == 1 { for (i = 1; i <= NF; i++) if (index($i, name) == 1) at = i }
+        { value = $at } END { print value }' run/history.csv
+}
+largest()
+{
+    awk -F, -v name="$1" 'NR == 1 { for (i = 1; i <= NF; i++) if (index($i, name) == 1) at = i }
+        NR == 2 || (NR > 2 && $at + 0 > value + 0) { value = $at } END { print value }' run/history.csv
+}
+
+# within VALUE LOW HIGH WHAT
+within()
+{
+    awk -v v="$1" -v low="$2" -v high="$3" 'BEGIN { exit !(v + 0 >= low && v + 0 <= high) }' ||
+        fail "$4 is $1, expected $2 to $3"
+}
+
+# book: the total stays within 1 % of the largest kinetic energy or work.
+book()
+{
+    awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) { sub(/ .*/, "", $i); at[$i] = i }; next }
+        NR == 2 { first = $at["total"] }
+        { d = $at["total"] - first; if (d < 0) d = -d; if (d > off) off = d
+          if ($at["kinetic"] > most) most = $at["kinetic"]; if ($at["work"] > most) most = $at["work"] }
+        END { printf "off by %.2g of %.3g\n", off, most; exit !(most > 0 && off <= 0.01 * most) }' run/history.csv ||
+        fail "$1: the energy book does not close"
+}
+
+# check DECK STEPS OPTION...: the whole run in one process, and its book; the first STEPS steps with servers.
+check()
+{
+    deck=$1
+    steps=$2
+    shift 2
+    echo "$deck $*"
+    expect_status 0 "$DM2_BIN/dm2-seq" "$DM2_SRC/input/$deck.dm2" "$@" -q -o run --overwrite
+    book "$deck"
+    expect_status 0 "$DM2_BIN/dm2-seq" "$DM2_SRC/input/$deck.dm2" "$@" --steps "$steps" -q -o one --overwrite
+    for n in 2 4 7; do
+        expect_status 0 "$DM2_BIN/dm2-client" "$DM2_SRC/input/$deck.dm2" "$@" --steps "$steps" -n $n -q -o several \
+            --overwrite
+        same_bytes one/final.dm2 several/final.dm2
+        same_bytes one/history.csv several/history.csv
+    done
+}
+
+check sliding-block 200 -D columns=24
+within "$(last block_vx)" -3e-5 3e-5 "the block's velocity at the end"
+within "$(awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) if (index($i, "block_x ") == 1) at = i }
+    NR == 2 { first = $at } { now = $at } END { print now - first }' run/history.csv)" 0.0244 0.0256 "the way it slid"
+
+# Pull-back: half of rho0 c0 times the fall of the free surface's velocity is the tensile strength, 0.012 Mbar.
+check spall 150
+within "$(largest surface_vy)" 0.0395 0.0405 "the free surface's velocity"
+within "$(awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) if (index($i, "surface_vy") == 1) at = i; next }
+    $at > high { high = $at; low = $at } $at < low && !turned { low = $at } $at > low + 0.005 { turned = high > 0.03 }
+    END { print 0.5 * 2.703 * 0.535 * (high - low) }' run/history.csv)" 0.0108 0.0132 "the spall strength"
+[ "$(last links)" -lt "$(largest links)" ] || fail "nothing spalled"
+
+check cu-polycrystal 120
+within "$(largest middle_vy)" 0.029 0.033 "the velocity behind the shock"
+within "$(largest temperature_max)" 400 1356 "the hottest element"
+
+check hmx-powder 250
+within "$(last first_vy)" 0.02 0.04 "the velocity of the first layer"
+within "$(largest temperature_max)" 400 900 "the hottest spot"
+
+check granular-shear 300
+within "$(last layer1_vx)" -0.001 0.003 "the velocity of the lowest layer"
+within "$(last layer5_vx)" 0.006 0.01 "the velocity of the uppermost layer"

@@ -1,0 +1,373 @@
+/* A server with a key, in a process of its own, and every kind of stranger: it serves the next friend, says the same to
+ * all of them, and keeps neither memory nor descriptors. */
+#include "check.h"
+
+#include <dirent.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <sys/types.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "dm2/base/clock.h"
+#include "dm2/base/fingerprint.h"
+#include "dm2/base/random.h"
+#include "dm2/dist/messages.h"
+#include "dm2/dist/server.h"
+
+enum { MANY = 300 };
+
+static const double HANDSHAKE = 2;
+static const struct auth_key KEY = {{1, 2, 3}}, OTHER = {{1, 2, 4}};
+
+static pid_t server_id;
+static int port;
+
+static void no_log(void *context, enum server_event event, const char *peer, const char *line)
+{
+    (void)context;
+    (void)event;
+    (void)peer;
+    (void)line;
+}
+
+static void start_server(void)
+{
+    char bound[SOCKET_NAME];
+    int listener = -1;
+    if (socket_listen("127.0.0.1", 0, &listener, bound, NULL) != DM2_OK)
+        exit(1);
+    port = (int)strtol(strrchr(bound, ':') + 1, NULL, 10);
+    (void)fflush(NULL);
+    server_id = fork();
+    if (server_id == 0) {
+        const struct server_options options = {
+            .deck_dir = ".", .version = "test", .handshake = HANDSHAKE, .timeout = 5, .cancel = -1, .key = &KEY};
+        struct dm2_error err = {0};
+        socket_ignore_sigpipe();
+        (void)server_serve(listener, &options, false, no_log, NULL, &err);
+        _exit(0);
+    }
+    socket_close(listener);
+}
+
+static void end_server(void)
+{
+    (void)kill(server_id, SIGKILL);
+    (void)waitpid(server_id, NULL, 0);
+}
+
+static struct deadline soon(void)
+{
+    return deadline_in(10, -1);
+}
+
+static int connected(void)
+{
+    int fd = -1;
+    if (socket_connect("127.0.0.1", port, soon(), &fd, NULL) != DM2_OK) {
+        (void)printf("the server is gone\n");
+        exit(1);
+    }
+    return fd;
+}
+
+static struct channel knock_on(const unsigned char nonce[AUTH_NONCE])
+{
+    struct channel ch;
+    channel_open(&ch, connected(), PROTOCOL_VERSION, "server");
+    CHECK_EQ_INT(channel_send(&ch, MESSAGE_KNOCK, 0, nonce, AUTH_NONCE, soon(), NULL), DM2_OK);
+    return ch;
+}
+
+static bool take(struct channel *ch, enum message_type type, void *out, size_t n)
+{
+    struct frame f;
+    if (channel_receive(ch, LIMIT_SMALL, soon(), &f, NULL) != DM2_OK || f.type != type || f.length != n)
+        return false;
+    memcpy(out, f.payload, n);
+    return true;
+}
+
+/* As a client does it, with this key; true where the server grants it. The channel is open in any case. */
+static bool enter(struct channel *ch, const struct auth_key *key)
+{
+    struct auth_nonces nonces;
+    unsigned char code[AUTH_CODE], own[AUTH_CODE], in[SIPHASH_KEY], out[SIPHASH_KEY];
+    CHECK_EQ_INT(auth_nonce(nonces.client, NULL), DM2_OK);
+    *ch = knock_on(nonces.client);
+    if (!take(ch, MESSAGE_CHALLENGE, nonces.server, AUTH_NONCE))
+        return false;
+    auth_code(key, AUTH_CLIENT, PROTOCOL_VERSION, &nonces, own);
+    CHECK_EQ_INT(channel_send(ch, MESSAGE_PROOF, 0, own, AUTH_CODE, soon(), NULL), DM2_OK);
+    if (!take(ch, MESSAGE_GRANT, code, AUTH_CODE))
+        return false;
+    auth_code(key, AUTH_SERVER, PROTOCOL_VERSION, &nonces, own);
+    CHECK(memcmp(code, own, AUTH_CODE) == 0);
+    auth_session_key(key, AUTH_SERVER, PROTOCOL_VERSION, &nonces, in);
+    auth_session_key(key, AUTH_CLIENT, PROTOCOL_VERSION, &nonces, out);
+    channel_use_keys(ch, in, out);
+    return true;
+}
+
+static void put_hello(struct bytes_writer *w)
+{
+    const struct hello_message m = {.fingerprint = fingerprint_compute(), .version = "test"};
+    message_put_hello(w, &m);
+}
+
+static int server_descriptors(void)
+{
+    char path[64];
+    int n = 0;
+    (void)snprintf(path, sizeof path, "/proc/%ld/fd", (long)server_id);
+    DIR *dir = opendir(path);
+    while (dir != NULL && readdir(dir) != NULL)
+        n++;
+    if (dir != NULL)
+        (void)closedir(dir);
+    return n;
+}
+
+/* A friend is welcome. Returns the descriptors that the server has while it serves him: whatever was before is closed
+ * then. */
+static int visit(void)
+{
+    struct channel ch;
+    struct frame f = {0};
+    struct bytes_writer w = {0};
+    put_hello(&w);
+    CHECK(enter(&ch, &KEY));
+    CHECK_EQ_INT(channel_send(&ch, MESSAGE_HELLO, 0, w.data, w.length, soon(), NULL), DM2_OK);
+    CHECK_EQ_INT(channel_receive(&ch, LIMIT_HELLO, soon(), &f, NULL), DM2_OK);
+    CHECK_EQ_INT(f.type, MESSAGE_WELCOME);
+    int descriptors = server_descriptors();
+    channel_close(&ch);
+    bytes_free(&w);
+    return descriptors;
+}
+
+/* Resident pages of the server; 0 where the system does not tell. */
+static long server_pages(void)
+{
+    char path[64], text[128] = "";
+    (void)snprintf(path, sizeof path, "/proc/%ld/statm", (long)server_id);
+    FILE *file = fopen(path, "r");
+    long pages = 0;
+    if (file != NULL && fgets(text, sizeof text, file) != NULL && strchr(text, ' ') != NULL)
+        pages = strtol(strchr(text, ' '), NULL, 10);
+    if (file != NULL)
+        (void)fclose(file);
+    return pages;
+}
+
+/* Everything that comes until the server closes; returns its length, at most n. */
+static size_t rest_of(int fd, unsigned char *out, size_t n)
+{
+    size_t have = 0, got = 0;
+    int closed = 0;
+    while (!closed && have < n && socket_wait(fd, POLLIN, soon(), NULL) == DM2_OK &&
+           socket_read_some(fd, out + have, n - have, &got, &closed, NULL) == DM2_OK)
+        have += got;
+    return have;
+}
+
+/* The bytes of the one answer that strangers get. */
+static size_t refusal(unsigned char *out, size_t n)
+{
+    int fd[2];
+    struct channel ch;
+    struct bytes_writer w = {0};
+    const struct error_message m = {.status = DM2_PROTOCOL, .text = REFUSAL_TEXT};
+    message_put_error(&w, &m);
+    CHECK_EQ_INT(socketpair(AF_UNIX, SOCK_STREAM, 0, fd), 0);
+    channel_open(&ch, fd[0], PROTOCOL_VERSION, "x");
+    CHECK_EQ_INT(channel_send(&ch, MESSAGE_ERROR, 0, w.data, w.length, soon(), NULL), DM2_OK);
+    channel_close(&ch);
+    ssize_t got = read(fd[1], out, n);
+    (void)close(fd[1]);
+    bytes_free(&w);
+    return got > 0 ? (size_t)got : 0;
+}
+
+/* These bytes, then the end of the stream: the answer is the refusal, or nothing where the stream was cut short. */
+static void is_refused(const void *bytes, size_t n, bool answered)
+{
+    unsigned char want[256], got[256];
+    size_t want_n = refusal(want, sizeof want);
+    int fd = connected();
+    struct iovec part = {(void *)(uintptr_t)bytes, n};
+    CHECK_EQ_INT(socket_write_all(fd, &part, 1, soon(), NULL), DM2_OK);
+    (void)shutdown(fd, SHUT_WR);
+    size_t got_n = rest_of(fd, got, sizeof got);
+    CHECK(got_n == 0 || (got_n == want_n && memcmp(got, want, want_n) == 0));
+    CHECK(!answered || got_n > 0);
+    socket_close(fd);
+}
+
+TEST(scanners_and_noise)
+{
+    int fds = visit();
+    for (int k = 0; k < MANY; k++)
+        socket_close(connected());
+    is_refused("GET / HTTP/1.1\r\nHost: x\r\n\r\n", 27, true);
+    is_refused("", 0, false);
+    is_refused("DM2\032", 4, false);
+    long pages = server_pages();
+    for (uint64_t k = 0; k < MANY; k++) {
+        unsigned char noise[512];
+        size_t n = random_bits(1, k, 1) % sizeof noise;
+        for (size_t i = 0; i < sizeof noise; i++)
+            noise[i] = (unsigned char)random_bits(2, k, i);
+        if (k % 2 == 0) { /* a header that is good as far as its length, or nearly so */
+            const struct frame_header h = {.version = PROTOCOL_VERSION,
+                                           .type = noise[6] % 24,
+                                           .length = k % 4 == 0 ? AUTH_NONCE : noise[8]};
+            frame_header_encode(&h, noise);
+        }
+        is_refused(noise, n, false);
+    }
+    CHECK_EQ_INT(visit(), fds);
+    CHECK(server_pages() <= pages + 64);
+}
+
+/* A byte now and then does not stretch the time that a stranger has. */
+TEST(slow_strangers_are_cut_off)
+{
+    unsigned char frame[FRAME_HEADER];
+    const struct frame_header h = {.version = PROTOCOL_VERSION, .type = MESSAGE_KNOCK, .length = AUTH_NONCE};
+    frame_header_encode(&h, frame);
+    double start = clock_now();
+    int fd = connected();
+    bool open = true;
+    for (size_t k = 0; open && clock_now() < start + 10; k++) {
+        struct iovec part = {&frame[k % sizeof frame], k < sizeof frame ? 1 : 0};
+        open = socket_write_all(fd, &part, 1, soon(), NULL) == DM2_OK &&
+               socket_wait(fd, POLLIN, deadline_in(0.03, -1), NULL) == DM2_TIMEOUT;
+    }
+    CHECK(clock_now() - start < HANDSHAKE + 8);
+    socket_close(fd);
+    (void)visit();
+}
+
+TEST(another_key_is_refused)
+{
+    struct channel ch;
+    CHECK(!enter(&ch, &OTHER));
+    channel_close(&ch);
+    (void)visit();
+}
+
+/* What a friend once sent does not open the door again: the server's number is another. */
+TEST(a_recorded_handshake_is_refused)
+{
+    struct auth_nonces first, second;
+    unsigned char proof[AUTH_CODE], code[AUTH_CODE];
+    CHECK_EQ_INT(auth_nonce(first.client, NULL), DM2_OK);
+    for (int replay = 0; replay < 2; replay++) {
+        struct channel ch = knock_on(first.client);
+        CHECK(take(&ch, MESSAGE_CHALLENGE, replay ? second.server : first.server, AUTH_NONCE));
+        if (!replay)
+            auth_code(&KEY, AUTH_CLIENT, PROTOCOL_VERSION, &first, proof);
+        CHECK_EQ_INT(channel_send(&ch, MESSAGE_PROOF, 0, proof, AUTH_CODE, soon(), NULL), DM2_OK);
+        CHECK_EQ_INT(take(&ch, MESSAGE_GRANT, code, AUTH_CODE), !replay);
+        channel_close(&ch);
+    }
+    CHECK(memcmp(first.server, second.server, AUTH_NONCE) != 0);
+    (void)visit();
+}
+
+/* A code made by a server, for these very numbers, is not a client's; nor is one of another version. */
+TEST(a_reflected_code_is_refused)
+{
+    for (int k = 0; k < 2; k++) {
+        struct auth_nonces nonces = {{0}, {0}};
+        unsigned char code[AUTH_CODE];
+        struct channel ch = knock_on(nonces.client);
+        CHECK(take(&ch, MESSAGE_CHALLENGE, nonces.server, AUTH_NONCE));
+        auth_code(&KEY, k == 0 ? AUTH_SERVER : AUTH_CLIENT, (uint16_t)(PROTOCOL_VERSION + k), &nonces, code);
+        CHECK_EQ_INT(channel_send(&ch, MESSAGE_PROOF, 0, code, AUTH_CODE, soon(), NULL), DM2_OK);
+        CHECK(!take(&ch, MESSAGE_GRANT, code, AUTH_CODE));
+        channel_close(&ch);
+    }
+    (void)visit();
+}
+
+/* One who stands between and turns one bit of a friend's message ends the session, nothing more. */
+TEST(a_changed_bit_ends_the_session)
+{
+    struct bytes_writer w = {0};
+    put_hello(&w);
+    for (size_t bit = 3; bit < 8 * (FRAME_HEADER + FRAME_TAG + w.length); bit += 37) {
+        struct channel ch;
+        struct frame f = {0};
+        unsigned char bytes[256];
+        int fd[2];
+        CHECK(enter(&ch, &KEY));
+        CHECK_EQ_INT(socketpair(AF_UNIX, SOCK_STREAM, 0, fd), 0);
+        int real = ch.fd;
+        ch.fd = fd[0]; /* the frame as the friend would send it, to be changed before it goes on */
+        CHECK_EQ_INT(channel_send(&ch, MESSAGE_HELLO, 0, w.data, w.length, soon(), NULL), DM2_OK);
+        ch.fd = real;
+        ssize_t n = read(fd[1], bytes, sizeof bytes);
+        bytes[bit / 8] ^= (unsigned char)(1 << bit % 8);
+        struct iovec part = {bytes, n > 0 ? (size_t)n : 0};
+        CHECK_EQ_INT(socket_write_all(ch.fd, &part, 1, soon(), NULL), DM2_OK);
+        (void)shutdown(ch.fd, SHUT_WR);
+        enum dm2_status status = channel_receive(&ch, LIMIT_SMALL, soon(), &f, NULL);
+        CHECK(status != DM2_OK || f.type == MESSAGE_ERROR);
+        channel_close(&ch);
+        (void)close(fd[0]);
+        (void)close(fd[1]);
+    }
+    bytes_free(&w);
+    (void)visit();
+}
+
+/* A friend who sends nonsense, with good tags: every type, random payloads, before and after HELLO. */
+TEST(nonsense_from_a_friend)
+{
+    struct bytes_writer w = {0};
+    put_hello(&w);
+    int fds = visit();
+    for (uint64_t k = 0; k < 100; k++) {
+        unsigned char noise[600];
+        struct channel ch;
+        struct frame f = {0};
+        CHECK(enter(&ch, &KEY));
+        if (k % 2 == 1)
+            CHECK_EQ_INT(channel_send(&ch, MESSAGE_HELLO, 0, w.data, w.length, soon(), NULL), DM2_OK);
+        for (size_t i = 0; i < sizeof noise; i++)
+            noise[i] = (unsigned char)(random_bits(3, k, i) % (k % 3 == 0 ? 4 : 256));
+        (void)channel_send(&ch, (uint8_t)(k % 3 == 0 ? MESSAGE_DECK : k / 2), 0, noise, 6 * k, soon(), NULL);
+        (void)shutdown(ch.fd, SHUT_WR);
+        while (channel_receive(&ch, LIMIT_SMALL, soon(), &f, NULL) == DM2_OK && f.type != MESSAGE_ERROR)
+            continue;
+        channel_close(&ch);
+    }
+    bytes_free(&w);
+    CHECK_EQ_INT(visit(), fds);
+}
+
+static void run_started(void)
+{
+    socket_ignore_sigpipe();
+    start_server();
+    test_scanners_and_noise();
+    test_slow_strangers_are_cut_off();
+    test_another_key_is_refused();
+    test_a_recorded_handshake_is_refused();
+    test_a_reflected_code_is_refused();
+    test_a_changed_bit_ends_the_session();
+    test_nonsense_from_a_friend();
+    CHECK_EQ_INT(waitpid(server_id, NULL, WNOHANG), 0); /* it lives */
+    end_server();
+}
+
+TEST(a_server_among_strangers)
+{
+    run_started();
+}
+
+TEST_MAIN(CASE(a_server_among_strangers))
