@@ -53,13 +53,16 @@ TESTS    := $(TEST_SRC:tests/unit/%.c=$(BUILD)/tests/%)
 TOOL_SRC := $(wildcard tests/tools/*.c)
 TOOLS    := $(TOOL_SRC:tests/tools/%.c=$(BUILD)/tools/%)
 
-.PHONY: all tests test bench demo install uninstall clean help FORCE
+FUZZ_SRC := $(wildcard tests/fuzz/fuzz_*.c)
+FUZZED   := $(FUZZ_SRC:tests/fuzz/%.c=$(BUILD)/fuzz/replay_%)
+
+.PHONY: fuzz all tests test bench demo install uninstall clean help FORCE
 .SUFFIXES:
 .SECONDARY:
 
 all: $(PROGRAMS)
 
-tests: $(TESTS) $(TOOLS)
+tests: $(TESTS) $(TOOLS) $(FUZZED)
 
 test: all tests
 	$(Q)CC='$(CC)' DM2_BIN=$(abspath $(BIN)) DM2_BUILD=$(abspath $(BUILD)) FLAVOUR=$(FLAVOUR) \
@@ -94,6 +97,19 @@ $(BUILD)/tools/%: $(BUILD)/tests/tools/%.o $(BUILD)/libdm2.a
 	$(Q)mkdir -p $(@D)
 	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) -o $@ $^ $(LDLIBS)
 
+$(BUILD)/fuzz/replay_%: $(BUILD)/tests/fuzz/%.o $(BUILD)/tests/fuzz/replay.o $(BUILD)/libdm2.a
+	$(Q)mkdir -p $(@D)
+	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+
+# The targets as libFuzzer programs, where clang has it: build/libfuzzer/fuzz_NAME [option...] DIRECTORY
+fuzz:
+	$(Q)$(MAKE) CC=clang BUILD=build/libfuzzer BIN=build/libfuzzer/bin LDSAN=-fsanitize=fuzzer \
+		CFLAGS='-O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all' \
+		$(FUZZ_SRC:tests/fuzz/%.c=build/libfuzzer/%)
+
+$(BUILD)/fuzz_%: $(BUILD)/tests/fuzz/fuzz_%.o $(BUILD)/libdm2.a
+	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+
 $(BUILD)/tests/unit/%.o: DM2_CFLAGS += -Itests/unit
 
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
@@ -116,6 +132,7 @@ clean:
 help:
 	@echo 'make               the programs, into bin/'
 	@echo 'make test          every test; TESTFLAGS="-L unit" or "-R regex" picks some'
+	@echo 'make fuzz          the fuzz targets of tests/fuzz as libFuzzer programs (clang)'
 	@echo 'make demo          the plate impact on 4 local servers, with its picture'
 	@echo 'make bench         speed per core, beside LAMMPS where it is installed; BENCHFLAGS="3 lj"'
 	@echo 'make install       into PREFIX (/usr/local), below DESTDIR; make uninstall'

@@ -23,6 +23,7 @@ usage: sh tests/run.sh [OPTION]...
   -N          list the tests, run none
   -V          print the output of every test;  --output-on-failure: of those that fail
   --memcheck  the unit tests alone, each under valgrind; errors and leaks fail it
+  --repeat after-timeout:2  a test that reaches its time limit runs once more, and the line of the first try is printed
   --timeout S time limit of a test that does not name its own, seconds (default 60)
 Environment: DM2_BIN, DM2_BUILD, FLAVOUR (make test sets them), DM2_TESTS (another tree of tests).
 END
@@ -34,10 +35,10 @@ die()
     exit 2
 }
 
-label= match= exclude= jobs= list=0 show=none default_limit=60 memcheck=0
+label= match= exclude= jobs= list=0 show=none default_limit=60 memcheck=0 repeat=0
 while [ $# -gt 0 ]; do
     case $1 in
-    -L | -R | -E | -j | --timeout)
+    -L | -R | -E | -j | --timeout | --repeat)
         [ $# -ge 2 ] || die "$1 needs a value (see --help)"
         case $1 in
         -L) label=$2 ;;
@@ -45,6 +46,10 @@ while [ $# -gt 0 ]; do
         -E) exclude=$2 ;;
         -j) jobs=$2 ;;
         --timeout) default_limit=$2 ;;
+        --repeat)
+            [ "$2" = after-timeout:2 ] || die "--repeat '$2': after-timeout:2 is expected"
+            repeat=1
+            ;;
         esac
         shift
         ;;
@@ -303,7 +308,7 @@ report()
 printf 'Test project %s (%s)\n' "$DM2_SRC" "$FLAVOUR"
 begin=$(date +%s)
 failed=0 failures= skips=
-running=0 done=0
+running=0 done=0 repeated=' '
 # Long tests begin first, so that none of them is left to run alone at the end.
 # shellcheck disable=SC2046  # the numbers are words
 set -- $(printf '%s\n' "$chosen" | awk -F '\t' '$4 ~ /(^| )slow( |$)/ { print NR }') \
@@ -315,6 +320,15 @@ while [ "$done" -lt "$total" ]; do
         running=$((running + 1))
     done
     read -r index how code seconds <&3
+    if [ $repeat = 1 ] && [ "$how" = timeout ] && [ "${repeated#* $index }" = "$repeated" ]; then
+        repeated="$repeated$index "
+        line_of "$index"
+        printf '%s %s %7s sec  (once more)\n' "$(head_of "$index")" '***Timeout' "$seconds"
+        sed -e 's/^/    | /' "$logs/$name.log"
+        rm -rf "${scratch:?}/$name"
+        launch "$index"
+        continue
+    fi
     running=$((running - 1))
     done=$((done + 1))
     report "$index" "$how" "$code" "$seconds"

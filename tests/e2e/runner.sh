@@ -133,6 +133,21 @@ run 0 -R leave
 gone "$(cat build/child)" || fail "a process that a passed test left behind still runs"
 rm tree/tests/e2e/leave.sh
 
+# A test that reached its time limit runs once more where that is asked for, and no oftener.
+script late <<'END'
+# timeout: 1
+[ -f "$DM2_BUILD/tried" ] && exit 0
+: >"$DM2_BUILD/tried"
+while :; do sleep 5; done
+END
+run 0 -R late --repeat after-timeout:2
+expect_line 'e2e_late \.+ \*\*\*Timeout .*once more'
+last_line_is '100% tests passed, 0 tests failed out of 1'
+sed -i.bak 's/exit 0/:/' tree/tests/e2e/late.sh
+run 1 -R late --repeat after-timeout:2
+last_line_is '0% tests passed, 1 tests failed out of 1'
+rm tree/tests/e2e/late.sh tree/tests/e2e/late.sh.bak build/tried
+
 # A sanitizer's finding fails a test that exits 0.
 program dirty <<'END'
 echo "heap-use-after-free" >"${ASAN_OPTIONS##*log_path=}.1234"

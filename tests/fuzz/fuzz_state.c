@@ -1,0 +1,30 @@
+/* The bytes before the checksum of a state file, which is put right. */
+#include "fuzz.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "dm2/base/crc32c.h"
+#include "dm2/sim/state.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    const char *directory = getenv("TMPDIR");
+    char path[400];
+    uint32_t crc = crc32c(0, data, size);
+    (void)snprintf(path, sizeof path, "%s/fuzz-state-%ld", directory == NULL ? "/tmp" : directory, (long)getpid());
+    FILE *file = fopen(path, "wb");
+    if (file == NULL)
+        return 0;
+    (void)fwrite(data, 1, size, file);
+    for (int k = 0; k < 4; k++)
+        (void)fputc((int)(crc >> 8 * k & 0xff), file);
+    (void)fclose(file);
+    struct state s;
+    struct dm2_error err = {0};
+    if (state_read(path, &s, &err) == DM2_OK)
+        state_free(&s);
+    (void)unlink(path);
+    return 0;
+}
