@@ -82,4 +82,15 @@ expect_text err 'is of step 360, the run has 300'
 sed '5d' whole/history.csv >bad/history.csv
 expect_status 3 "$seq" deck.dm2 -q --restart bad/checkpoint.prev.dm2
 expect_text err 'bad/history.csv: the row of step 60 is missing'
+
+# The first step at which two runs differ.
+first=$DM2_SRC/scripts/dm2-first-difference
+printf 'step 0 hash a\nstep 10 hash b\nstep 20 hash c\n' >one
+printf 'noise\nstep 10 hash b\nstep 15 hash x\nstep 20 hash d\nstep 30 hash e\n' >two
+expect_status 0 "$first" one one
+expect_text out '3 steps are alike, the last is 20'
+expect_status 1 "$first" one two
+expect_text out 'step 20 differs: c and d; step 10 is the last that is alike'
+: >none
+expect_status 2 "$first" one none
 exit 0
