@@ -232,7 +232,7 @@ enum dm2_status model_compare_command(const char *argv0, int argc, char **argv, 
     } else {
         if (status == DM2_OK)
             status = server_choice_finish(&c.servers, err);
-        if (status == DM2_OK)
+        if (status == DM2_OK && c.operands.n == 0) /* finished runs need no deck */
             status = sweep_finish(&c.sweep, SIZES, (int)(sizeof SIZES / sizeof SIZES[0]), argv0, err);
         if (status == DM2_OK)
             status = run(&c, err);
