@@ -56,7 +56,7 @@ TOOLS    := $(TOOL_SRC:tests/tools/%.c=$(BUILD)/tools/%)
 FUZZ_SRC := $(wildcard tests/fuzz/fuzz_*.c)
 FUZZED   := $(FUZZ_SRC:tests/fuzz/%.c=$(BUILD)/fuzz/replay_%)
 
-.PHONY: fuzz all tests test bench demo install uninstall clean help FORCE
+.PHONY: fuzz all tests test figures bench demo install uninstall clean help FORCE
 .SUFFIXES:
 .SECONDARY:
 
@@ -67,6 +67,9 @@ tests: $(TESTS) $(TOOLS) $(FUZZED) $(BUILD)/failing/dm2-seq
 test: all tests
 	$(Q)CC='$(CC)' DM2_BIN=$(abspath $(BIN)) DM2_BUILD=$(abspath $(BUILD)) FLAVOUR=$(FLAVOUR) \
 		sh tests/run.sh $(TESTFLAGS)
+
+figures: all
+	$(Q)DM2_BIN=$(BIN) sh scripts/figures.sh $(FIGURES)
 
 demo: all
 	$(Q)DM2_BIN=$(BIN) DM2_BUILD=build sh scripts/demo.sh
@@ -141,6 +144,7 @@ help:
 	@echo 'make fuzz          the fuzz targets of tests/fuzz as libFuzzer programs (clang)'
 	@echo 'make demo          the plate impact on 4 local servers, with its picture'
 	@echo 'make bench         speed per core, beside LAMMPS where it is installed; BENCHFLAGS="3 lj"'
+	@echo 'make figures       the figures of the timing study; FIGURES=measure measures first'
 	@echo 'make install       into PREFIX (/usr/local), below DESTDIR; make uninstall'
 	@echo 'make clean         removes build/ and bin/'
 	@echo 'FLAVOUR=release|debug|asan|tsan   CC=gcc|clang   CFLAGS=...   V=1'

@@ -18,6 +18,7 @@
 #include "dm2/dist/client.h"
 #include "dm2/dist/hosts.h"
 #include "dm2/dist/report.h"
+#include "dm2/net/socket.h"
 
 static const char PROGRAM[] = "dm2-client";
 
@@ -29,8 +30,9 @@ struct client_command {
     struct option_list servers;
     const char *hosts, *balance, *key_file, *calibration_file;
     struct auth_key key;
-    bool send_deck;
-    double timeout;
+    bool send_deck, no_recover;
+    double timeout, reconnect;
+    int64_t copy_every; /* -1: by cost */
     const char *argv0;
     int cancel;
     char calibration_path[PREDICTION_TEXT]; /* empty: the run is predicted from itself */
@@ -40,19 +42,18 @@ struct client_command {
 /* What the events of a run need. */
 struct display {
     struct progress progress;
-    const struct endpoints *servers;
     bool quiet;
 };
 
 static enum dm2_status parse(struct client_command *c, int argc, char **argv, struct dm2_error *err)
 {
-    enum { OWN = 8 };
-    *c = (struct client_command){.timeout = 60, .argv0 = argv[0], .cancel = -1};
+    enum { OWN = 11 };
+    *c = (struct client_command){.timeout = 60, .reconnect = 5, .copy_every = -1, .argv0 = argv[0], .cancel = -1};
     struct option table[OWN + RUN_OPTIONS] = {
         {"local", 'n', OPTION_INTEGER, &c->local, "N", "starts N servers on this machine for this run", 1,
          LOCAL_MOST},
         {"hosts", 0, OPTION_TEXT, &c->hosts, "FILE",
-         "uses the servers of a hosts file: host[:port] [slots=K]", 0, 0},
+         "uses the servers of a hosts file: host[:port] [slots=K] [spare]", 0, 0},
         {"server", 0, OPTION_LIST, &c->servers, "HOST[:PORT]", "uses this server; may be repeated", 0, 0},
         {"key", 0, OPTION_TEXT, &c->key_file, "FILE",
          "proves this key to the servers, and wants them to prove it", 0, 0},
@@ -64,6 +65,11 @@ static enum dm2_status parse(struct client_command *c, int argc, char **argv, st
          0},
         {"timeout", 0, OPTION_SECONDS, &c->timeout, "S",
          "gives a silent server up after S seconds (default 60)", 0, 0},
+        {"no-recover", 0, OPTION_FLAG, &c->no_recover, NULL, "gives the run up when a server is lost", 0, 0},
+        {"reconnect", 0, OPTION_SECONDS, &c->reconnect, "S",
+         "waits S seconds for a lost server to come back (default 5)", 0, 0},
+        {"copy-every", 0, OPTION_INTEGER, &c->copy_every, "K",
+         "takes a copy of the state every K steps, to go back to (default: by its cost; 0: none)", 0, INT64_MAX},
     };
     run_options_start(&c->run, PROGRAM, table + OWN);
     enum dm2_status status = options_parse(table, OWN + RUN_OPTIONS, argc, argv, &c->run.operands, err);
@@ -97,16 +103,19 @@ static enum dm2_status named_servers(const struct client_command *c, struct endp
     return status;
 }
 
+static bool by_particles(const struct client_command *c, const struct run *run)
+{
+    return c->balance != NULL ? strcmp(c->balance, "particles") == 0 : run->config.balance == BALANCE_PARTICLES;
+}
+
 static enum dm2_status decompose(const struct client_command *c, const struct run *run, int ranks,
                                  struct decomposition *out, struct dm2_error *err)
 {
     const struct grid *g = model_grid(run->model);
-    bool particles =
-        c->balance != NULL ? strcmp(c->balance, "particles") == 0 : run->config.balance == BALANCE_PARTICLES;
     uint32_t *counts = NULL;
     enum dm2_status status = DM2_OK;
     *out = (struct decomposition){0};
-    if (particles) {
+    if (by_particles(c, run)) {
         counts = mem_zalloc((size_t)g->cx * (size_t)g->cy, sizeof *counts);
         if (counts == NULL)
             return dm2_fail(err, DM2_MEMORY, "no memory for %d x %d cells", g->cx, g->cy);
@@ -118,13 +127,13 @@ static enum dm2_status decompose(const struct client_command *c, const struct ru
     return status;
 }
 
-static void show_step(void *context, int64_t step, int slowest, double busy)
+static void show_step(void *context, int64_t step, const char *slowest, double busy)
 {
     struct display *d = context;
-    char text[HOST_MAX + 64];
-    (void)snprintf(text, sizeof text, "%s:%d (%.2f ms)", d->servers->items[slowest].host,
-                   d->servers->items[slowest].port, 1e3 * busy);
-    progress_step(&d->progress, step, d->servers->n > 1 ? text : NULL);
+    char text[SOCKET_NAME + 64];
+    if (slowest != NULL)
+        (void)snprintf(text, sizeof text, "%s (%.2f ms)", slowest, 1e3 * busy);
+    progress_step(&d->progress, step, slowest != NULL ? text : NULL);
 }
 
 static void show_hash(void *context, int64_t step, uint64_t hash)
@@ -152,19 +161,47 @@ static void print_summary(const struct client_command *c, const struct run_repor
     (void)printf("results in %s\n", directory);
 }
 
+/* Local servers serve one session: after a loss all are started anew. */
+struct nursery {
+    const struct client_command *command;
+    struct local_servers servers;
+};
+
+static enum dm2_status start_anew(void *context, int ranks, struct endpoint *servers, struct dm2_error *err)
+{
+    struct nursery *n = context;
+    const struct client_command *c = n->command;
+    struct endpoints list = {0};
+    local_servers_stop(&n->servers);
+    enum dm2_status status =
+        local_servers_start(c->argv0, ranks, c->run.verbose, c->cancel, &n->servers, &list, err);
+    for (int k = 0; k < ranks && status == DM2_OK; k++)
+        servers[k] = list.items[k];
+    endpoints_free(&list);
+    return status;
+}
+
 /* The run itself, with servers that are up. */
 static enum dm2_status run_on(const struct client_command *c, const struct run *run,
-                              const struct decomposition *d, const struct endpoints *servers, bool send_deck,
+                              const struct decomposition *d, const struct endpoints *servers, struct nursery *nursery,
                               struct results *results, struct network_probe *probe, struct run_report *report,
                               struct dm2_error *err)
 {
-    struct display display = {.servers = servers, .quiet = c->run.quiet};
+    struct display display = {.quiet = c->run.quiet};
     const struct client_options options = {
         .servers = servers->items,
+        .spares = servers->items + d->ranks,
+        .n_spares = servers->n - (size_t)d->ranks,
+        .renew = nursery->servers.n > 0 ? start_anew : NULL,
+        .renew_context = nursery,
+        .recover = !c->no_recover,
+        .reconnect = c->reconnect,
+        .copy_every = c->copy_every,
+        .checkpoint_every = run_checkpoint_every(&c->run, run),
         .deck_path = c->run.deck,
         .version = DM2_VERSION,
         .timeout = c->timeout,
-        .send_deck = send_deck,
+        .send_deck = c->send_deck || nursery->servers.n > 0,
         .hash_every = c->run.hash_every,
         .cancel = c->cancel,
         .echo = c->calibration_path[0] == '\0' ? network_probe_echo(probe) : NULL,
@@ -174,6 +211,8 @@ static enum dm2_status run_on(const struct client_command *c, const struct run *
                                    .config = &run->config,
                                    .model = run->model,
                                    .decomposition = d,
+                                   .start = run->restarted ? &run->state : NULL,
+                                   .by_particles = by_particles(c, run),
                                    .results = results};
     progress_start(&display.progress, c->run.progress, run->config.steps, model_elements(run->model));
     enum dm2_status status = client_run(&job, &options, report, err);
@@ -211,23 +250,25 @@ static enum dm2_status run_all(const struct client_command *c, const struct run 
 {
     struct results *results = NULL;
     struct run_report report = {0};
-    struct local_servers local = {0};
+    struct nursery nursery = {.command = c};
     struct network_probe probe = {0};
     char prediction[PREDICTION_TEXT];
-    bool start = servers->n == 0, send_deck = c->send_deck || start;
+    bool start = servers->n == 0;
     enum dm2_status status = run_open_results(&c->run, run, &results, err);
     if (status == DM2_OK)
         status = network_probe_start(&probe, true, PROBE_TURNS, err);
     if (status == DM2_OK && start)
-        status = local_servers_start(c->argv0, d->ranks, c->run.verbose, c->cancel, &local, servers, err);
+        status = local_servers_start(c->argv0, d->ranks, c->run.verbose, c->cancel, &nursery.servers, servers,
+                                     err);
     if (status == DM2_OK)
-        status = run_on(c, run, d, servers, send_deck, results, &probe, &report, err);
-    local_servers_stop(&local);
+        status = run_on(c, run, d, servers, &nursery, results, &probe, &report, err);
+    local_servers_stop(&nursery.servers);
     if (status == DM2_OK)
         status = predict_run(c, &probe, start, &report, prediction, err);
     if (status == DM2_OK)
         status = report_write(&report, results, err);
     if (status != DM2_OK) {
+        run_print_restart(&c->run, results);
         results_abort(results);
     } else {
         char directory[1024];
@@ -250,7 +291,7 @@ static enum dm2_status check_only(const struct client_command *c, const struct r
     enum dm2_status status = DM2_OK;
     if (names == NULL || list == NULL)
         status = dm2_fail(err, DM2_MEMORY, "no memory for %d names", d->ranks);
-    for (size_t k = 0; k < servers->n && status == DM2_OK; k++) {
+    for (size_t k = 0; k < servers->n && k < (size_t)d->ranks && status == DM2_OK; k++) {
         (void)snprintf(names[k], sizeof names[k], "%s:%d", servers->items[k].host, servers->items[k].port);
         list[k] = names[k];
     }
@@ -263,10 +304,10 @@ static enum dm2_status check_only(const struct client_command *c, const struct r
 
 /* How many servers the run has. */
 static int choose_ranks(const struct client_command *c, const struct run *run,
-                        const struct endpoints *servers)
+                        const struct endpoints *servers, size_t active)
 {
     if (servers->n > 0)
-        return (int)servers->n;
+        return (int)active;
     if (c->local > 0)
         return (int)c->local;
     const struct grid *g = model_grid(run->model);
@@ -296,6 +337,9 @@ static enum dm2_status work(struct client_command *c, struct dm2_error *err)
     struct run run = {0};
     struct decomposition d = {0};
     enum dm2_status status = named_servers(c, &servers, err);
+    size_t active = endpoints_sort(&servers);
+    if (status == DM2_OK && servers.n > 0 && active == 0)
+        status = dm2_fail(err, DM2_USAGE, "%s: all servers are spares: one at least is needed without the word", c->hosts);
     if (status == DM2_OK && c->key_file != NULL)
         status = auth_key_read(c->key_file, &c->key, err);
     if (status == DM2_OK && !c->run.check)
@@ -303,7 +347,7 @@ static enum dm2_status work(struct client_command *c, struct dm2_error *err)
     if (status == DM2_OK)
         status = run_load(&c->run, &run, err);
     if (status == DM2_OK)
-        status = decompose(c, &run, choose_ranks(c, &run, &servers), &d, err);
+        status = decompose(c, &run, choose_ranks(c, &run, &servers, active), &d, err);
     if (status == DM2_OK)
         status = c->run.check ? check_only(c, &run, &d, &servers, err) : run_all(c, &run, &d, &servers, err);
     decomposition_free(&d);

@@ -30,7 +30,7 @@ struct arguments {
     bool links;
     double range[2];
     /* chart */
-    const char *x, *y, *by, *only, *x_label, *y_label;
+    const char *x, *y, *by, *only, *dashed, *x_label, *y_label;
     bool log_x, log_y, markers;
 };
 
@@ -282,7 +282,7 @@ static enum dm2_status split_curve(const struct csv *csv, const struct arguments
     return status;
 }
 
-static enum dm2_status draw_chart(const struct csv *csv, const struct arguments *a, char *list,
+static enum dm2_status draw_chart(const struct csv *csv, const struct arguments *a, char *list, char *dashed,
                                   const char *out, struct dm2_error *err)
 {
     struct columns c = {0};
@@ -296,6 +296,9 @@ static enum dm2_status draw_chart(const struct csv *csv, const struct arguments 
         status = csv_numbers(csv, x_column, &c.x, err);
     if (status == DM2_OK)
         status = take_columns(csv, list, &c, err);
+    size_t solid = c.n;
+    if (status == DM2_OK && dashed != NULL)
+        status = take_columns(csv, dashed, &c, err);
     if (status == DM2_OK && c.n > 1)
         unit = shared_unit(&c, names);
     size_t n_series = c.n;
@@ -306,9 +309,10 @@ static enum dm2_status draw_chart(const struct csv *csv, const struct arguments 
                                           .x = c.x,
                                           .y = c.y[i],
                                           .n = csv->n_rows,
-                                          .colour = i,
+                                          .colour = i < solid ? i : i - solid,
                                           .line = true,
-                                          .markers = a->markers};
+                                          .dashed = i >= solid,
+                                          .markers = a->markers && i < solid};
     if (status == DM2_OK) {
         const struct chart chart = {
             .title = a->title,
@@ -339,6 +343,8 @@ static enum dm2_status chart_command(int argc, char **argv, struct dm2_error *er
         {"y", 'y', OPTION_TEXT, &a.y, "COLUMN,...", "the columns to draw; required", 0, 0},
         {"by", 'b', OPTION_TEXT, &a.by, "COLUMN", "a curve for each value of this column, as in profiles", 0, 0},
         {"only", 0, OPTION_TEXT, &a.only, "VALUE,...", "of these values alone", 0, 0},
+        {"dashed", 0, OPTION_TEXT, &a.dashed, "COLUMN,...",
+         "further columns, drawn dashed in the colours of --y: models beside measurements", 0, 0},
         {"log-x", 0, OPTION_FLAG, &a.log_x, NULL, "a logarithmic scale across", 0, 0},
         {"log-y", 0, OPTION_FLAG, &a.log_y, NULL, "a logarithmic scale upwards", 0, 0},
         {"markers", 0, OPTION_FLAG, &a.markers, NULL, "mark the points", 0, 0},
@@ -367,15 +373,17 @@ static enum dm2_status chart_command(int argc, char **argv, struct dm2_error *er
     if (status != DM2_OK)
         return status;
     char *own = a.out == NULL ? default_output(file) : NULL, *list = text_join(a.y, "", "");
+    char *dashed = a.dashed == NULL ? NULL : text_join(a.dashed, "", "");
     const char *out = a.out == NULL ? own : a.out;
-    if (out == NULL || list == NULL)
+    if (out == NULL || list == NULL || (a.dashed != NULL && dashed == NULL))
         status = dm2_fail(err, DM2_MEMORY, "no memory for a file name");
     else
-        status = draw_chart(&csv, &a, list, out, err);
+        status = draw_chart(&csv, &a, list, dashed, out, err);
     if (status == DM2_OK)
         printf("%s\n", out);
     free(own);
     free(list);
+    free(dashed);
     csv_free(&csv);
     return status;
 }

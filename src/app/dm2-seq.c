@@ -28,6 +28,7 @@ struct sequence {
     struct subdomain *sd;
     struct rebuild_plan plan;
     struct parcel parcel;
+    int64_t every; /* steps between checkpoints; 0: none */
     struct element *elements; /* room for a state */
     struct element_measure *measured;
     struct profile_bin *bins; /* room for a profile */
@@ -35,8 +36,10 @@ struct sequence {
     struct server_report server;
 };
 
-/* Collects the present state and hands it to the results: a snapshot, or the final state. */
-static enum dm2_status write_state(struct sequence *s, bool final, struct dm2_error *err)
+enum purpose { SNAPSHOT, CHECKPOINT, FINAL };
+
+/* Collects the present state and hands it to the results. */
+static enum dm2_status write_state(struct sequence *s, enum purpose purpose, struct dm2_error *err)
 {
     struct pair_record *pairs = NULL;
     size_t n = subdomain_owned(s->sd), n_pairs = 0;
@@ -47,12 +50,14 @@ static enum dm2_status write_state(struct sequence *s, bool final, struct dm2_er
         if (s->elements == NULL || s->measured == NULL)
             return dm2_fail(err, DM2_MEMORY, "no memory to collect the state of %zu elements", n);
     }
-    enum dm2_status status = subdomain_collect(s->sd, s->elements, final ? NULL : s->measured, err);
+    enum dm2_status status = subdomain_collect(s->sd, s->elements, purpose == SNAPSHOT ? s->measured : NULL, err);
     if (status == DM2_OK)
         status = subdomain_collect_pairs(s->sd, &pairs, &n_pairs, err);
     int64_t step = subdomain_step(s->sd);
-    if (status == DM2_OK && final)
+    if (status == DM2_OK && purpose == FINAL)
         status = results_final(s->results, step, s->elements, n, pairs, n_pairs, err);
+    else if (status == DM2_OK && purpose == CHECKPOINT)
+        status = results_checkpoint(s->results, step, s->elements, n, pairs, n_pairs, err);
     else if (status == DM2_OK)
         status = results_snapshot(s->results, step, s->elements, s->measured, n, pairs, n_pairs, err);
     free(pairs);
@@ -115,7 +120,7 @@ static enum dm2_status step(struct sequence *s, struct dm2_error *err)
     double dmax, started = clock_now(), output = s->report.output;
     enum dm2_status status = subdomain_forces(s->sd, results_measure_due(c, n), err);
     if (status == DM2_OK && snapshot)
-        status = write_state(s, false, err);
+        status = write_state(s, SNAPSHOT, err);
     if (status == DM2_OK)
         status = write_profiles(s, err);
     if (status == DM2_OK)
@@ -139,11 +144,11 @@ static enum dm2_status finish(struct sequence *s, struct dm2_error *err)
 {
     const struct config *c = &s->run->config;
     struct measures measures;
-    enum dm2_status status = write_state(s, true, err);
+    enum dm2_status status = write_state(s, FINAL, err);
     if (status == DM2_OK)
         status = subdomain_forces(s->sd, true, err);
     if (status == DM2_OK && results_snapshot_due(c, c->steps))
-        status = write_state(s, false, err);
+        status = write_state(s, SNAPSHOT, err);
     if (status == DM2_OK)
         status = write_profiles(s, err);
     if (status == DM2_OK)
@@ -165,9 +170,12 @@ static enum dm2_status run_steps(struct sequence *s, int cancel, struct dm2_erro
         status = step(s, err);
         if (status == DM2_OK)
             status = print_hash(s, err);
-        if (status == DM2_OK && cancel >= 0 && poll(&signal, 1, 0) > 0)
-            status = dm2_fail(err, DM2_INTERRUPTED, "the run was interrupted by a signal at step %lld",
-                              (long long)subdomain_step(s->sd));
+        bool asked = cancel >= 0 && poll(&signal, 1, 0) > 0;
+        int64_t n = subdomain_step(s->sd);
+        if (status == DM2_OK && ((asked && n < steps) || results_checkpoint_due(&s->run->config, s->every, n)))
+            status = write_state(s, CHECKPOINT, err);
+        if (status == DM2_OK && asked && n < steps)
+            status = dm2_fail(err, DM2_INTERRUPTED, "the run was interrupted by a signal at step %lld", (long long)n);
         if (status == DM2_OK)
             progress_step(&progress, subdomain_step(s->sd), NULL);
     }
@@ -214,8 +222,13 @@ static enum dm2_status run_all(struct sequence *s, const struct decomposition *d
     const struct domain_map map = {.grid = &d->grid, .ranks = 1, .owner = d->owner};
     double started = clock_now();
     enum dm2_status status = run_open_results(s->options, s->run, &s->results, err);
-    if (status == DM2_OK)
+    const struct state *from = &s->run->state;
+    if (status == DM2_OK && s->run->restarted)
+        status = subdomain_restore(s->run->model, &map, 0, from->step, from->elements, from->n_elements, from->pairs,
+                                   from->n_pairs, &s->sd, err);
+    else if (status == DM2_OK)
         status = subdomain_create(s->run->model, &map, 0, &s->sd, err);
+    s->every = run_checkpoint_every(s->options, s->run);
     s->report.set_up = clock_now() - started;
     rebuild_plan_start(&s->plan, &s->run->config);
     if (status == DM2_OK)
@@ -225,6 +238,7 @@ static enum dm2_status run_all(struct sequence *s, const struct decomposition *d
         status = report_write(&s->report, s->results, err);
     }
     if (status != DM2_OK) {
+        run_print_restart(s->options, s->results);
         results_abort(s->results);
     } else {
         char directory[4096];

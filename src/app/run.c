@@ -11,7 +11,7 @@
 
 void run_options_start(struct run_options *o, const char *program, struct option table[RUN_OPTIONS])
 {
-    *o = (struct run_options){.program = program, .steps = -1, .progress_text = "auto"};
+    *o = (struct run_options){.program = program, .steps = -1, .checkpoint_every = -1, .progress_text = "auto"};
     const struct option options[RUN_OPTIONS] = {
         {"output", 'o', OPTION_TEXT, &o->directory, "DIR", "run directory (default: the deck's name + .run)",
          0, 0},
@@ -24,6 +24,9 @@ void run_options_start(struct run_options *o, const char *program, struct option
          0},
         {"hash-every", 0, OPTION_INTEGER, &o->hash_every, "K", "prints a hash of the state every K steps", 1,
          INT64_MAX},
+        {"checkpoint-every", 0, OPTION_INTEGER, &o->checkpoint_every, "K",
+         "writes a checkpoint every K steps instead of as the deck says; 0: never", 0, INT64_MAX},
+        {"restart", 0, OPTION_TEXT, &o->restart, "FILE", "continues from a checkpoint, in its run directory", 0, 0},
         {"progress", 0, OPTION_TEXT, &o->progress_text, "WHEN",
          "live line: auto (on a terminal), always or never", 0, 0},
         {"quiet", 'q', OPTION_FLAG, &o->quiet, NULL, "prints nothing but errors", 0, 0},
@@ -89,6 +92,58 @@ static enum dm2_status add_changes(const struct run_options *o, struct deck_sour
     return DM2_OK;
 }
 
+/* Reads a state and checks that it is one of this run. */
+static enum dm2_status read_state(const char *path, const struct run *run, struct state *out, struct dm2_error *err)
+{
+    enum dm2_status status = state_read(path, out, err);
+    if (status != DM2_OK)
+        return status;
+    size_t n = model_elements(run->model);
+    char here[SHA256_TEXT], there[SHA256_TEXT];
+    if (memcmp(out->digest, run->digest, sizeof run->digest) != 0) {
+        sha256_text(run->digest, here);
+        sha256_text(out->digest, there);
+        status = dm2_fail(err, DM2_PROTOCOL, "%s: belongs to another deck: its digest is %s, this deck's with its -D %s",
+                          path, there, here);
+    } else if (out->n_elements != n || (n > 0 && out->elements[n - 1].id != n - 1)) {
+        status = dm2_fail(err, DM2_PROTOCOL, "%s: has %zu elements, the deck makes %zu", path, out->n_elements, n);
+    } else if (out->step > run->config.steps) {
+        status = dm2_fail(err, DM2_PROTOCOL, "%s: is of step %lld, the run has %lld: give more with --steps", path,
+                          (long long)out->step, (long long)run->config.steps);
+    }
+    for (size_t k = 0; k < n && status == DM2_OK; k++)
+        if (out->elements[k].body >= run->config.n_bodies || out->elements[k].kind >= run->model->n_kinds)
+            status = dm2_fail(err, DM2_PROTOCOL, "%s: element %zu is of a body or a kind that the deck does not have",
+                              path, k);
+    if (status != DM2_OK)
+        state_free(out);
+    return status;
+}
+
+/* The state of --restart; where that cannot be used, the one before it is offered. */
+static enum dm2_status read_restart(const struct run_options *o, struct run *run, struct dm2_error *err)
+{
+    static const char name[] = "checkpoint.dm2";
+    struct dm2_error why = {0};
+    enum dm2_status status = read_state(o->restart, run, &run->state, &why);
+    run->restarted = status == DM2_OK;
+    if (status == DM2_OK)
+        return status;
+    char before[4096];
+    size_t length = strlen(o->restart), tail = sizeof name - 1;
+    if (length >= tail && strcmp(o->restart + length - tail, name) == 0) {
+        struct state other;
+        (void)snprintf(before, sizeof before, "%.*scheckpoint.prev.dm2", (int)(length - tail), o->restart);
+        if (read_state(before, run, &other, NULL) == DM2_OK) {
+            long long step = (long long)other.step;
+            state_free(&other);
+            return dm2_fail(err, status, "%s; the one before it can be used, of step %lld: --restart %s", why.text, step,
+                            before);
+        }
+    }
+    return dm2_fail(err, status, "%s", why.text);
+}
+
 enum dm2_status run_load(const struct run_options *o, struct run *run, struct dm2_error *err)
 {
     struct deck_report report = {0};
@@ -112,6 +167,8 @@ enum dm2_status run_load(const struct run_options *o, struct run *run, struct dm
     }
     if (status == DM2_OK)
         status = model_build(&run->config, &run->model, err);
+    if (status == DM2_OK && o->restart != NULL)
+        status = read_restart(o, run, err);
     if (status != DM2_OK)
         run_free(run);
     return status;
@@ -123,20 +180,57 @@ void run_free(struct run *run)
     if (run->loaded)
         config_free(&run->config);
     deck_source_free(&run->source);
+    state_free(&run->state);
     *run = (struct run){0};
+}
+
+static char *directory_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    char *directory = copy_text(slash == NULL ? "." : path);
+    if (directory != NULL && slash != NULL)
+        directory[slash == path ? 1 : slash - path] = '\0';
+    return directory;
 }
 
 enum dm2_status run_open_results(const struct run_options *o, const struct run *run, struct results **out,
                                  struct dm2_error *err)
 {
-    char *own = o->directory == NULL ? results_default_directory(o->deck) : NULL;
+    char *own = NULL;
+    if (o->restart != NULL)
+        own = directory_of(o->restart);
+    else if (o->directory == NULL)
+        own = results_default_directory(o->deck);
     const char *directory = o->directory == NULL ? own : o->directory;
-    if (directory == NULL)
-        return dm2_fail(err, DM2_MEMORY, "no memory for the run directory's name");
-    enum dm2_status status =
-        results_open(directory, o->overwrite, &run->config, model_scales(run->model), run->digest, out, err);
+    struct measure_scales scales = model_scales(run->model);
+    enum dm2_status status;
+    if (directory == NULL || (o->restart != NULL && own == NULL))
+        status = dm2_fail(err, DM2_MEMORY, "no memory for the run directory's name");
+    else if (o->restart != NULL)
+        status = results_continue(directory, o->overwrite, own, run->state.step, &run->config, scales, run->digest,
+                                  out, err);
+    else
+        status = results_open(directory, o->overwrite, &run->config, scales, run->digest, out, err);
     free(own);
     return status;
+}
+
+int64_t run_checkpoint_every(const struct run_options *o, const struct run *run)
+{
+    return o->checkpoint_every >= 0 ? o->checkpoint_every : run->config.output.checkpoint_every;
+}
+
+void run_print_restart(const struct run_options *o, const struct results *results)
+{
+    if (results == NULL || results_checkpoint_step(results) < 0)
+        return;
+    (void)fprintf(stderr, "%s: the last checkpoint is of step %lld; to continue: %s %s", o->program,
+                  (long long)results_checkpoint_step(results), o->program, o->deck);
+    for (size_t k = 0; k < o->defines.n; k++)
+        (void)fprintf(stderr, " -D '%s'", o->defines.items[k]);
+    if (o->steps >= 0)
+        (void)fprintf(stderr, " --steps %lld", (long long)o->steps);
+    (void)fprintf(stderr, " --restart %s/checkpoint.dm2\n", results_directory(results));
 }
 
 /* Generates one rank's subdomain and tells its size. */

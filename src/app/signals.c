@@ -19,6 +19,9 @@ static void on_signal(int signal_number)
         caught = signal_number;
         ssize_t ignored = write((int)wake, "", 1);
         (void)ignored; /* a full pipe is readable, too */
+    } else {
+        (void)signal(signal_number, SIG_DFL); /* asked again: now, as soon as this handler returns */
+        (void)raise(signal_number);
     }
     errno = saved;
 }

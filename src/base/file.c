@@ -34,17 +34,25 @@ static enum dm2_status fail_at(const struct file_out *f, const char *what, int e
     return dm2_fail(err, DM2_IO, "%s: cannot %s: %s", f->path, what, strerror(error));
 }
 
-enum dm2_status file_create(struct file_out *f, const char *path, struct dm2_error *err)
+/* Names and buffer. */
+static enum dm2_status prepare(struct file_out *f, const char *path, struct dm2_error *err)
 {
     memset(f, 0, sizeof *f);
     f->fd = -1;
     f->path = text_join(path, "", "");
     f->part = text_join(path, ".part", "");
     f->buffer = malloc(BUFFER_BYTES);
-    if (f->path == NULL || f->part == NULL || f->buffer == NULL) {
-        clear(f);
-        return dm2_fail(err, DM2_MEMORY, "%s: no memory for the file's buffer", path);
-    }
+    if (f->path != NULL && f->part != NULL && f->buffer != NULL)
+        return DM2_OK;
+    clear(f);
+    return dm2_fail(err, DM2_MEMORY, "%s: no memory for the file's buffer", path);
+}
+
+enum dm2_status file_create(struct file_out *f, const char *path, struct dm2_error *err)
+{
+    enum dm2_status prepared = prepare(f, path, err);
+    if (prepared != DM2_OK)
+        return prepared;
     if (unlink(f->part) != 0 && errno != ENOENT) {
         enum dm2_status status = fail_at(f, "replace its .part file", errno, err);
         clear(f);
@@ -58,6 +66,19 @@ enum dm2_status file_create(struct file_out *f, const char *path, struct dm2_err
         return status;
     }
     return DM2_OK;
+}
+
+enum dm2_status file_reopen(struct file_out *f, const char *path, size_t keep, struct dm2_error *err)
+{
+    enum dm2_status status = prepare(f, path, err);
+    if (status != DM2_OK)
+        return status;
+    f->fd = open(f->part, O_WRONLY | O_CLOEXEC | O_NOFOLLOW);
+    if (f->fd < 0 || ftruncate(f->fd, (off_t)keep) != 0 || lseek(f->fd, 0, SEEK_END) != (off_t)keep) {
+        status = fail_at(f, "take up its .part file", errno, err);
+        file_suspend(f);
+    }
+    return status;
 }
 
 static void write_through(struct file_out *f, const unsigned char *bytes, size_t n)
@@ -175,6 +196,33 @@ enum dm2_status file_commit(struct file_out *f, struct dm2_error *err)
         status = fail_at(f, "bring its directory to disk", error, err);
     clear(f);
     return status;
+}
+
+enum dm2_status file_sync(struct file_out *f, struct dm2_error *err)
+{
+    enum dm2_status status = file_flush(f, err);
+    if (status == DM2_OK && fsync(f->fd) != 0)
+        status = fail_at(f, "bring to disk", errno, err);
+    return status;
+}
+
+void file_suspend(struct file_out *f)
+{
+    if (f->path == NULL)
+        return;
+    if (f->fd >= 0) {
+        empty_buffer(f);
+        close(f->fd);
+    }
+    clear(f);
+}
+
+enum dm2_status file_rename(const char *from, const char *to, struct dm2_error *err)
+{
+    if (rename(from, to) != 0)
+        return dm2_fail(err, DM2_IO, "%s: cannot rename it to %s: %s", from, to, strerror(errno));
+    int error = sync_directory_of(to);
+    return error == 0 ? DM2_OK : dm2_fail(err, DM2_IO, "%s: cannot bring its directory to disk: %s", to, strerror(error));
 }
 
 void file_abandon(struct file_out *f)

@@ -10,7 +10,9 @@
  *     send     NEXT to every rank
  *     write    history, snapshots, while the servers compute
  *
- * Any failure closes all connections, which ends all sessions. */
+ * Any failure closes all connections, which ends all sessions. What lasts from one to the next is struct course: after
+ * the loss of a server another session starts, with servers that are there, from the last copy of the state that the
+ * course holds. Results know which steps they have, so steps that are done again leave no trace. */
 #include "dm2/dist/client.h"
 
 #include <errno.h>
@@ -24,15 +26,18 @@
 #include "dm2/base/fingerprint.h"
 #include "dm2/base/hmac.h"
 #include "dm2/base/mem.h"
+#include "dm2/dist/copies.h"
 #include "dm2/dist/messages.h"
 #include "dm2/dist/relay.h"
 #include "dm2/dist/state_merge.h"
+#include "dm2/dist/state_parts.h"
 #include "dm2/sim/deck_digest.h"
 #include "dm2/sim/rebuild.h"
 #include "dm2/sim/subdomain.h"
 
 static const double CONNECT_SECONDS = 10.0; /* at most, to open one connection */
 static const double BUSY_SECONDS = 1.0;     /* of silence after HELLO until the user is told */
+static const double RETRY_SECONDS = 0.05;   /* between attempts to reach a server that was lost */
 static const double PARTING_SECONDS = 0.2;  /* to tell a server why its session ends */
 
 /* A server as the client knows it. */
@@ -65,9 +70,39 @@ struct profile_part {
     int left;     /* servers whose part has not come */
 };
 
+enum { LOSSES_MOST = 3 }; /* of one server without a new copy between, before it is given up */
+
+/* A server of the course. */
+struct station {
+    struct endpoint at;
+    int losses; /* since the last copy */
+};
+
+/* What lasts from session to session. */
+struct course {
+    struct station *stations; /* ranks of them */
+    size_t spares_used;
+    struct decomposition cut;                  /* for fewer servers than at first, */
+    const struct decomposition *decomposition; /* or the job's */
+    struct state_merge copy;                   /* the state of the step copy_step; -1: none */
+    int64_t copy_step;
+    struct copy_plan plan;
+    int64_t hashed;   /* the newest step whose hash was told; -1: none */
+    bool stepping;    /* all servers of the first session were ready */
+    bool stopping;    /* a signal came while the steps ran */
+    int renewals;     /* of all servers, since the last copy */
+    struct run_report report;
+};
+
 struct client {
     const struct client_job *job;
     const struct client_options *options;
+    struct course *course;
+    const struct decomposition *decomposition;
+    bool stepping; /* all servers are ready: a signal is obeyed after the step */
+    bool copy_due; /* the state comes with this step */
+    int culprit;   /* the rank that failed; -1: none */
+    bool silent;   /* by its silence */
     int ranks;
     struct peer *peers;
     struct pollfd *polls; /* ranks + 1 */
@@ -75,7 +110,7 @@ struct client {
     struct bytes_writer out;
     struct relay relay;
     struct relay_source *sources;
-    struct compilation snapshot, final;
+    struct compilation snapshot, final, copy;
     struct profile_part *profiles; /* of the deck */
     int64_t profile_step;          /* that they are of */
     struct rebuild_plan plan;
@@ -95,24 +130,26 @@ static void when(const struct client *c, char *out, size_t size)
 }
 
 /* The failure of one server, with step and advice around `why`. */
-static enum dm2_status peer_failed(const struct client *c, int rank, enum dm2_status status, const char *why,
+static enum dm2_status peer_failed(struct client *c, int rank, enum dm2_status status, const char *why,
                                    struct dm2_error *err)
 {
     const char *name = c->peers[rank].channel.name;
     char step[64], text[600];
     when(c, step, sizeof step);
+    c->culprit = rank;
+    c->silent = status == DM2_TIMEOUT;
     (void)snprintf(text, sizeof text, "%s", why); /* *err may be what `why` lies in */
     if (status == DM2_INTERRUPTED || status == DM2_MEMORY)
         return dm2_fail(err, status, "%s", text);
     const char *advice =
-        status == DM2_NET ? "; see that server's log, start it again and repeat the run" : "";
+        status == DM2_NET && !c->options->recover ? "; see that server's log, start it again and repeat the run" : "";
     bool named = strncmp(text, name, strlen(name)) == 0;
     return dm2_fail(err, status, "server %d of %d, %s: %s%s%s%s", rank, c->ranks, step, named ? "" : name,
                     named ? "" : ": ", text, advice);
 }
 
 /* The server said ERROR itself. */
-static enum dm2_status peer_error(const struct client *c, int rank, struct bytes_reader r,
+static enum dm2_status peer_error(struct client *c, int rank, struct bytes_reader r,
                                   struct dm2_error *err)
 {
     struct error_message m;
@@ -139,7 +176,7 @@ typedef enum dm2_status (*take_answer)(struct client *c, int rank, struct bytes_
 
 static struct deadline patience(const struct client *c)
 {
-    return deadline_in(c->options->timeout, c->options->cancel);
+    return deadline_in(c->options->timeout, c->stepping ? -1 : c->options->cancel);
 }
 
 static enum dm2_status send_out(struct client *c, int rank, enum message_type type, struct dm2_error *err)
@@ -154,7 +191,7 @@ static enum dm2_status send_out(struct client *c, int rank, enum message_type ty
     return status == DM2_OK ? DM2_OK : peer_failed(c, rank, status, why.text, err);
 }
 
-static enum dm2_status not_decoded(const struct client *c, int rank, const char *what, struct dm2_error *err)
+static enum dm2_status not_decoded(struct client *c, int rank, const char *what, struct dm2_error *err)
 {
     char text[100];
     (void)snprintf(text, sizeof text, "its %s message does not decode", what);
@@ -168,7 +205,9 @@ static enum dm2_status take_state(struct client *c, int rank, struct bytes_reade
     message_get_state(r, &m);
     if (r->failed)
         return not_decoded(c, rank, "STATE", err);
-    struct compilation *state = m.purpose == STATE_FINAL ? &c->final : &c->snapshot;
+    struct compilation *state = m.purpose == STATE_FINAL  ? &c->final
+                                : m.purpose == STATE_COPY ? &c->copy
+                                                          : &c->snapshot;
     if (!state->due || m.step != state->step)
         return peer_failed(c, rank, DM2_PROTOCOL, "it sent a state that is not due", err);
     enum dm2_status status = state_merge_add(&state->merge, &m, r, &why);
@@ -274,12 +313,14 @@ static enum dm2_status wait_for_any(struct client *c, double since, double note_
     if (silent < 0)
         return DM2_OK;
     double until = note_at > now && note_at < first ? note_at : first;
-    c->polls[*n] = (struct pollfd){.fd = c->options->cancel, .events = POLLIN};
+    c->polls[*n] = (struct pollfd){.fd = c->course->stopping ? -1 : c->options->cancel, .events = POLLIN};
     double wait = until > now ? ceil(1000 * (until - now)) : 0;
     int ready = poll(c->polls, (nfds_t)*n + 1, wait < 1e9 ? (int)wait : 1000000000);
     if (ready < 0 && errno != EINTR && errno != EAGAIN)
         return dm2_fail(err, DM2_NET, "poll: %s", strerror(errno));
-    if (ready > 0 && c->options->cancel >= 0 && c->polls[*n].revents != 0)
+    bool asked = ready > 0 && c->polls[*n].revents != 0;
+    c->course->stopping |= asked;
+    if (asked && !c->stepping)
         return dm2_fail(err, DM2_INTERRUPTED, "the run was interrupted by a signal");
     if (ready <= 0 && clock_now() >= first) {
         char text[200];
@@ -339,17 +380,36 @@ static enum dm2_status gather(struct client *c, enum message_type type, uint32_t
 /* --- before the steps --------------------------------------------------------------------------------------
  */
 
+/* Connects, after a loss again and again until `until`: the server may be started anew. */
+static enum dm2_status connect_one(struct client *c, const struct endpoint *e, double until, int *fd,
+                                   struct dm2_error *err)
+{
+    int cancel = c->options->cancel;
+    for (;;) {
+        double now = clock_now();
+        enum dm2_status status =
+            socket_connect(e->host, e->port, deadline_in(fmin(CONNECT_SECONDS, c->options->timeout), cancel), fd, err);
+        if (status == DM2_OK || status == DM2_INTERRUPTED || clock_now() >= until)
+            return status;
+        if (clock_now() - now < RETRY_SECONDS) {
+            struct pollfd asked = {.fd = cancel, .events = POLLIN};
+            (void)poll(&asked, 1, (int)(1000 * RETRY_SECONDS));
+        }
+    }
+}
+
 static enum dm2_status connect_all(struct client *c, struct dm2_error *err)
 {
+    double last = c->course->stepping ? clock_now() + c->options->reconnect : 0;
     for (int k = 0; k < c->ranks; k++) {
-        const struct endpoint *e = &c->options->servers[k];
+        const struct endpoint *e = &c->course->stations[k].at;
         char name[SOCKET_NAME];
         int fd;
         struct dm2_error why = {0};
-        struct deadline until = deadline_in(fmin(CONNECT_SECONDS, c->options->timeout), c->options->cancel);
         (void)snprintf(name, sizeof name, "%s:%d", e->host, e->port);
-        enum dm2_status status = socket_connect(e->host, e->port, until, &fd, &why);
+        enum dm2_status status = connect_one(c, e, last, &fd, &why);
         if (status != DM2_OK) {
+            c->culprit = k;
             channel_open(&c->peers[k].channel, -1, PROTOCOL_VERSION, name);
             return dm2_fail(err, status, "server %d of %d, before the first step: %s", k, c->ranks, why.text);
         }
@@ -512,15 +572,71 @@ static enum dm2_status share_deck(struct client *c, struct dm2_error *err)
     return status;
 }
 
+/* Each hash is told once, however often its step is done. */
+static void tell_hash(struct client *c, int64_t step, uint64_t hash)
+{
+    if (step > c->course->hashed && c->options->events.hash != NULL)
+        c->options->events.hash(c->options->events.context, step, hash);
+    if (step > c->course->hashed)
+        c->course->hashed = step;
+}
+
 static enum dm2_status take_ready(struct client *c, int rank, struct bytes_reader *r, struct dm2_error *err)
 {
     message_get_ready(r, &c->peers[rank].ready);
     return r->failed ? not_decoded(c, rank, "READY", err) : DM2_OK;
 }
 
+/* The state to start from: the last copy, else the job's. False: the beginning. */
+static bool starting_state(const struct client *c, struct state_view *out)
+{
+    const struct course *course = c->course;
+    const struct state_merge *m = &course->copy;
+    const struct state *s = c->job->start;
+    if (course->copy_step >= 0)
+        *out = (struct state_view){NULL, course->copy_step, m->elements, m->n_seen, m->pairs, m->n_pairs};
+    else if (s != NULL)
+        *out = (struct state_view){s->digest, s->step, s->elements, s->n_elements, s->pairs, s->n_pairs};
+    return course->copy_step >= 0 || s != NULL;
+}
+
+static int64_t starting_step(const struct client *c)
+{
+    struct state_view s = {0};
+    return starting_state(c, &s) ? s.step : 0;
+}
+
+/* Sends one rank what it owns and mirrors of the state. */
+static enum dm2_status send_share(struct client *c, int rank, const struct state_view *s, struct dm2_error *err)
+{
+    struct state_parts parts = {.head = {.step = s->step, .purpose = STATE_COPY}};
+    struct element *elements;
+    struct pair_record *pairs;
+    enum dm2_status status = state_share(c->decomposition, rank, s->elements, s->n_elements, s->pairs, s->n_pairs,
+                                         &elements, &parts.n_elements, &pairs, &parts.n_pairs, err);
+    parts.elements = elements;
+    parts.pairs = pairs;
+    while (status == DM2_OK && state_parts_next(&parts, &c->out))
+        status = send_out(c, rank, MESSAGE_STATE, err);
+    free(elements);
+    free(pairs);
+    return status;
+}
+
+/* Whether the state at `step` is to come with its STEP message. */
+static bool wants_copy(const struct client *c, int64_t step)
+{
+    const struct config *config = c->job->config;
+    return step < config->steps && (c->course->stopping || copy_plan_due(&c->course->plan, step) ||
+                                    results_checkpoint_due(config, c->options->checkpoint_every, step));
+}
+
 static enum dm2_status assign_ranks(struct client *c, struct dm2_error *err)
 {
-    const struct decomposition *d = c->job->decomposition;
+    const struct decomposition *d = c->decomposition;
+    struct state_view from = {0};
+    bool restored = starting_state(c, &from);
+    c->copy_due = wants_copy(c, starting_step(c) + 1);
     struct assign_message m = {.ranks = c->ranks,
                                .cx = d->grid.cx,
                                .cy = d->grid.cy,
@@ -528,12 +644,16 @@ static enum dm2_status assign_ranks(struct client *c, struct dm2_error *err)
                                .rects = d->rect,
                                .timeout = c->options->timeout,
                                .hash_every = c->options->hash_every,
-                               .rebuild_first = rebuild_plan_expected(&c->plan)};
+                               .rebuild_first = rebuild_plan_expected(&c->plan),
+                               .copy_first = c->copy_due,
+                               .start = restored ? from.step : -1};
     for (m.rank = 0; m.rank < c->ranks; m.rank++) {
         decomposition_interfaces(d, m.rank, m.interfaces);
         bytes_clear(&c->out);
         message_put_assign(&c->out, &m);
         enum dm2_status status = send_out(c, m.rank, MESSAGE_ASSIGN, err);
+        if (status == DM2_OK && restored)
+            status = send_share(c, m.rank, &from, err);
         if (status != DM2_OK)
             return status;
     }
@@ -548,8 +668,9 @@ static enum dm2_status assign_ranks(struct client *c, struct dm2_error *err)
                         "the servers generated %llu elements, the deck makes %llu: is the same dm2 "
                         "installed everywhere?",
                         (unsigned long long)owned, (unsigned long long)m.elements);
-    if (status == DM2_OK && m.hash_every > 0 && c->options->events.hash != NULL)
-        c->options->events.hash(c->options->events.context, 0, hash);
+    int64_t start = starting_step(c);
+    if (status == DM2_OK && m.hash_every > 0 && (start % m.hash_every == 0 || start == c->job->config->steps))
+        tell_hash(c, start, hash);
     return status;
 }
 
@@ -637,6 +758,14 @@ static enum dm2_status send_next(struct client *c, struct next_message m, bool s
     return DM2_OK;
 }
 
+/* The copy in hand, to disk. */
+static enum dm2_status write_checkpoint(struct client *c, struct dm2_error *err)
+{
+    const struct state_merge *m = &c->course->copy;
+    return results_checkpoint(c->job->results, c->course->copy_step, m->elements, m->n_seen, m->pairs, m->n_pairs,
+                              err);
+}
+
 static void expect_state(struct client *c, struct compilation *state, bool due, int64_t step)
 {
     state->due = due;
@@ -644,6 +773,21 @@ static void expect_state(struct client *c, struct compilation *state, bool due, 
     state->left = due ? c->ranks : 0;
     if (due)
         state_merge_clear(&state->merge);
+}
+
+/* The copy that came becomes the one to go back to, and where one is due, a checkpoint. */
+static enum dm2_status keep_copy(struct client *c, struct dm2_error *err)
+{
+    struct course *course = c->course;
+    struct state_merge old = course->copy;
+    course->copy = c->copy.merge;
+    c->copy.merge = old;
+    course->copy_step = c->copy.step;
+    course->renewals = 0;
+    for (int k = 0; k < c->ranks; k++)
+        course->stations[k].losses = 0;
+    bool due = course->stopping || results_checkpoint_due(c->job->config, c->options->checkpoint_every, course->copy_step);
+    return due ? write_checkpoint(c, err) : DM2_OK;
 }
 
 static enum dm2_status write_state(struct client *c, struct compilation *state, struct dm2_error *err)
@@ -657,6 +801,8 @@ static enum dm2_status write_state(struct client *c, struct compilation *state, 
     if (status != DM2_OK)
         return dm2_fail(err, status, "compiling the state of step %lld: %s", (long long)state->step,
                         why.text);
+    if (state == &c->copy)
+        return keep_copy(c, err);
     if (state == &c->final)
         return results_final(c->job->results, state->step, m->elements, m->n_seen, m->pairs, m->n_pairs, err);
     return results_snapshot(c->job->results, state->step, m->elements, m->measured, m->n_seen, m->pairs,
@@ -716,7 +862,9 @@ static enum dm2_status exchange_step(struct client *c, bool *rebuild, double dma
     }
     *rebuild = !last && rebuild_plan_expected(&c->plan);
     double start = clock_now();
-    status = send_next(c, (struct next_message){.step = c->at, .rebuild_next = *rebuild}, true, err);
+    c->copy_due = wants_copy(c, c->at + 1);
+    status = send_next(c, (struct next_message){.step = c->at, .rebuild_next = *rebuild, .copy_next = c->copy_due}, true,
+                       err);
     c->report.relay += clock_now() - start;
     return status;
 }
@@ -730,8 +878,10 @@ static enum dm2_status step(struct client *c, int64_t n, bool *rebuild, struct d
     bool hashed = every > 0 && ((n + 1) % every == 0 || n + 1 == config->steps);
     struct step_sum sum;
     double start = clock_now();
+    bool copy = c->copy_due;
     c->at = n + 1;
     expect_state(c, &c->snapshot, snapshot, n);
+    expect_state(c, &c->copy, copy, n + 1);
     expect_profiles(c, n);
     enum dm2_status status = gather(c, MESSAGE_STEP, LIMIT_STEP, take_step, false, err);
     if (status == DM2_OK)
@@ -741,7 +891,7 @@ static enum dm2_status step(struct client *c, int64_t n, bool *rebuild, struct d
     if (status != DM2_OK)
         return status;
     double sent = clock_now();
-    if (!snapshot) { /* a step with a snapshot is not a time step alone */
+    if (!snapshot && !copy) { /* a step with a snapshot or a copy is not a time step alone */
         c->report.stepping += sent - start;
         c->report.timed++;
     }
@@ -752,11 +902,19 @@ static enum dm2_status step(struct client *c, int64_t n, bool *rebuild, struct d
     if (snapshot && status == DM2_OK)
         status = write_state(c, &c->snapshot, err);
     c->report.output += clock_now() - sent;
+    if (copy && status == DM2_OK)
+        status = write_state(c, &c->copy, err);
+    if (copy && status == DM2_OK)
+        copy_plan_done(&c->course->plan, c->at, clock_now() - start);
+    else if (!snapshot)
+        copy_plan_plain(&c->course->plan, clock_now() - start);
     c->report.steps = c->at;
-    if (hashed && events->hash != NULL && status == DM2_OK)
-        events->hash(events->context, c->at, sum.hash);
+    if (hashed && status == DM2_OK)
+        tell_hash(c, c->at, sum.hash);
     if (events->step != NULL && status == DM2_OK)
-        events->step(events->context, c->at, sum.slowest, sum.busy);
+        events->step(events->context, c->at, c->ranks > 1 ? c->peers[sum.slowest].channel.name : NULL, sum.busy);
+    if (copy && c->course->stopping && status == DM2_OK)
+        status = dm2_fail(err, DM2_INTERRUPTED, "the run was interrupted by a signal at step %lld", (long long)c->at);
     return status;
 }
 
@@ -768,7 +926,7 @@ static enum dm2_status take_done(struct client *c, int rank, struct bytes_reader
         return not_decoded(c, rank, "DONE", err);
     struct server_report *s = &c->report.servers[rank];
     (void)snprintf(s->name, sizeof s->name, "%s", p->channel.name);
-    s->cells = decomposition_cells(c->job->decomposition, rank);
+    s->cells = decomposition_cells(c->decomposition, rank);
     s->owned = p->ready.owned;
     s->mirrored = p->ready.mirrored;
     s->bytes = p->ready.bytes;
@@ -814,7 +972,8 @@ static enum dm2_status run_steps(struct client *c, struct dm2_error *err)
     enum dm2_status status = DM2_OK;
     for (int k = 0; k < c->ranks; k++)
         c->peers[k].awaited = true; /* the servers start without being asked */
-    for (int64_t n = 0; n < c->job->config->steps && status == DM2_OK; n++)
+    c->stepping = c->course->stepping = true;
+    for (int64_t n = starting_step(c); n < c->job->config->steps && status == DM2_OK; n++)
         status = step(c, n, &rebuild, err);
     return status;
 }
@@ -868,6 +1027,7 @@ static enum dm2_status open_client(struct client *c, struct dm2_error *err)
         return dm2_fail(err, DM2_MEMORY, "no memory for %d servers", c->ranks);
     state_merge_open(&c->snapshot.merge, limits);
     state_merge_open(&c->final.merge, limits);
+    state_merge_open(&c->copy.merge, limits);
     rebuild_plan_start(&c->plan, c->job->config);
     status = open_profiles(c, err);
     return status != DM2_OK ? status : relay_open(&c->relay, c->ranks, err);
@@ -893,6 +1053,7 @@ static void close_client(struct client *c, enum dm2_status status, const struct 
     relay_free(&c->relay);
     state_merge_free(&c->snapshot.merge);
     state_merge_free(&c->final.merge);
+    state_merge_free(&c->copy.merge);
     close_profiles(c);
     bytes_free(&c->out);
     free(c->peers);
@@ -901,51 +1062,231 @@ static void close_client(struct client *c, enum dm2_status status, const struct 
     free(c->sources);
 }
 
+/* How a session failed. */
+struct loss {
+    int culprit;   /* the rank that it failed by; -1: none */
+    bool silent;   /* by its silence */
+    bool stepping; /* once all servers were ready */
+};
+
+/* One session with every server, from the first connection on. */
+static enum dm2_status run_session(const struct client_job *job, const struct client_options *options,
+                                   struct course *course, struct loss *loss, struct dm2_error *err)
+{
+    struct client c = {.job = job,
+                       .options = options,
+                       .course = course,
+                       .decomposition = course->decomposition,
+                       .ranks = course->decomposition->ranks,
+                       .at = -1,
+                       .culprit = -1,
+                       .report = course->report};
+    double start = clock_now(), wait = c.report.wait;
+    enum dm2_status status = open_client(&c, err);
+    if (status == DM2_OK)
+        status = connect_all(&c, err);
+    if (status == DM2_OK)
+        status = shake_hands(&c, err);
+    if (status == DM2_OK && options->echo != NULL && !course->stepping)
+        status = echo_all(&c, options->echo, err);
+    if (status == DM2_OK)
+        status = share_deck(&c, err);
+    if (status == DM2_OK)
+        status = assign_ranks(&c, err);
+    c.report.set_up += clock_now() - start;
+    c.report.wait = wait; /* of the steps alone */
+    if (status == DM2_OK)
+        status = run_steps(&c, err);
+    if (status == DM2_OK)
+        status = finish(&c, err);
+    close_client(&c, status, err);
+    c.report.ranks = c.ranks;
+    if (status != DM2_OK) {
+        free(c.report.servers);
+        c.report.servers = NULL;
+    }
+    course->report = c.report;
+    *loss = (struct loss){c.culprit, c.silent, c.stepping};
+    return status;
+}
+
+/* --- after a loss ------------------------------------------------------------------------------------------
+ */
+
+static void tell(const struct client_options *options, const char *text)
+{
+    if (options->events.note != NULL)
+        options->events.note(options->events.context, text);
+}
+
+/* Can the run go on after this failure? */
+static bool is_loss(const struct client_options *o, const struct course *course, enum dm2_status status, int culprit)
+{
+    return o->recover && course->stepping && !course->stopping && culprit >= 0 &&
+           (status == DM2_NET || status == DM2_TIMEOUT || status == DM2_PROTOCOL);
+}
+
+/* Elements per cell in the last copy; model_cell_counts where there is none. */
+static enum dm2_status weigh(const struct client_job *job, const struct course *course, uint32_t *weights,
+                             struct dm2_error *err)
+{
+    const struct grid *g = model_grid(job->model);
+    const struct state_merge *m = &course->copy;
+    if (course->copy_step < 0)
+        return model_cell_counts(job->model, weights, err);
+    for (size_t k = 0; k < m->n_seen; k++)
+        weights[grid_cell(g, m->elements[k].r[0], m->elements[k].r[1])]++;
+    return DM2_OK;
+}
+
+/* Takes a server out and cuts the domain for those that remain. */
+static enum dm2_status do_without(const struct client_job *job, struct course *course, int lost, struct dm2_error *err)
+{
+    const struct grid *g = model_grid(job->model);
+    int ranks = course->decomposition->ranks - 1;
+    uint32_t *weights = NULL;
+    struct decomposition cut = {0};
+    enum dm2_status status = DM2_OK;
+    if (job->by_particles) {
+        weights = mem_zalloc((size_t)g->cx * (size_t)g->cy, sizeof *weights);
+        status = weights == NULL ? dm2_fail(err, DM2_MEMORY, "no memory for %d x %d cells", g->cx, g->cy)
+                                 : weigh(job, course, weights, err);
+    }
+    if (status == DM2_OK)
+        status = decomposition_bisect(g, ranks, weights, &cut, err);
+    free(weights);
+    if (status != DM2_OK)
+        return status;
+    memmove(&course->stations[lost], &course->stations[lost + 1], (size_t)(ranks - lost) * sizeof *course->stations);
+    decomposition_free(&course->cut);
+    course->cut = cut;
+    course->decomposition = &course->cut;
+    return DM2_OK;
+}
+
+/* All servers anew, where this program's caller started them. */
+static enum dm2_status renew(const struct client_options *options, struct course *course, struct dm2_error *err)
+{
+    int ranks = course->decomposition->ranks;
+    if (++course->renewals > LOSSES_MOST)
+        return dm2_fail(err, DM2_NET, "servers were lost %d times without a new copy of the state between",
+                        course->renewals);
+    struct endpoint *servers = mem_zalloc((size_t)ranks, sizeof *servers);
+    enum dm2_status status = servers == NULL ? dm2_fail(err, DM2_MEMORY, "no memory for %d servers", ranks)
+                                             : options->renew(options->renew_context, ranks, servers, err);
+    for (int k = 0; k < ranks && status == DM2_OK; k++)
+        course->stations[k].at = servers[k];
+    free(servers);
+    return status;
+}
+
+/* Decides who takes the place of a server that was lost; `absent`: it is not there any more, or silent. */
+static enum dm2_status replace(const struct client_job *job, const struct client_options *options,
+                               struct course *course, int lost, bool absent, struct dm2_error *err)
+{
+    struct station *s = &course->stations[lost];
+    char line[2 * HOST_MAX + 200], from[32] = "the beginning";
+    if (course->copy_step >= 0)
+        (void)snprintf(from, sizeof from, "step %lld", (long long)course->copy_step);
+    else if (job->start != NULL)
+        (void)snprintf(from, sizeof from, "step %lld", (long long)job->start->step);
+    course->report.losses++;
+    if (options->renew != NULL) {
+        (void)snprintf(line, sizeof line, "going on from %s with servers started anew", from);
+        tell(options, line);
+        return renew(options, course, err);
+    }
+    if (!absent && ++s->losses <= LOSSES_MOST) {
+        (void)snprintf(line, sizeof line, "going on from %s, waiting up to %g s for %s:%d", from, options->reconnect,
+                       s->at.host, s->at.port);
+        tell(options, line);
+        return DM2_OK;
+    }
+    if (course->spares_used < options->n_spares) {
+        const struct endpoint *spare = &options->spares[course->spares_used++];
+        (void)snprintf(line, sizeof line, "going on from %s with the spare %s:%d in place of %s:%d", from, spare->host,
+                       spare->port, s->at.host, s->at.port);
+        *s = (struct station){.at = *spare};
+        tell(options, line);
+        return DM2_OK;
+    }
+    if (course->decomposition->ranks == 1)
+        return dm2_fail(err, DM2_NET, "no server is left");
+    (void)snprintf(line, sizeof line, "going on from %s without %s:%d, with %d of the servers", from, s->at.host,
+                   s->at.port, course->decomposition->ranks - 1);
+    tell(options, line);
+    return do_without(job, course, lost, err);
+}
+
+/* Sessions, until one comes to the end of the run or nobody is left. */
+static enum dm2_status run_course(const struct client_job *job, const struct client_options *options,
+                                  struct course *course, struct dm2_error *err)
+{
+    for (;;) {
+        struct loss loss;
+        struct dm2_error why = {0}, end = {0};
+        enum dm2_status status = run_session(job, options, course, &loss, &why);
+        if (status == DM2_OK || !is_loss(options, course, status, loss.culprit))
+            return status == DM2_OK ? DM2_OK : dm2_fail(err, status, "%s", why.text);
+        tell(options, why.text);
+        status = replace(job, options, course, loss.culprit, loss.silent || !loss.stepping, &end);
+        if (status != DM2_OK)
+            return dm2_fail(err, status, "%.250s: %.340s", end.text, why.text);
+        copy_plan_start(&course->plan, options->copy_every, course->copy_step >= 0 ? course->copy_step : 0);
+    }
+}
+
+/* A run that cannot go on leaves the newest state that is in hand, unless the disk is what failed. */
+static void leave_checkpoint(const struct client_job *job, struct course *course, enum dm2_status status)
+{
+    const struct state_merge *m = &course->copy;
+    if (status != DM2_IO && course->copy_step > results_checkpoint_step(job->results))
+        (void)results_checkpoint(job->results, course->copy_step, m->elements, m->n_seen, m->pairs, m->n_pairs, NULL);
+}
+
 enum dm2_status client_run(const struct client_job *job, const struct client_options *options,
                            struct run_report *report, struct dm2_error *err)
 {
-    struct client c = {.job = job, .options = options, .ranks = job->decomposition->ranks, .at = -1};
-    struct dm2_error why = {0};
+    int ranks = job->decomposition->ranks;
     double start = clock_now();
+    struct course course = {.stations = mem_zalloc((size_t)ranks, sizeof *course.stations),
+                            .decomposition = job->decomposition,
+                            .copy_step = -1,
+                            .hashed = -1};
     *report = (struct run_report){0};
-    enum dm2_status status = open_client(&c, &why);
-    if (status == DM2_OK)
-        status = connect_all(&c, &why);
-    if (status == DM2_OK)
-        status = shake_hands(&c, &why);
-    if (status == DM2_OK && options->echo != NULL)
-        status = echo_all(&c, options->echo, &why);
-    if (status == DM2_OK)
-        status = share_deck(&c, &why);
-    if (status == DM2_OK)
-        status = assign_ranks(&c, &why);
-    c.report.set_up = clock_now() - start;
-    c.report.wait = 0; /* of the steps alone */
-    if (status == DM2_OK)
-        status = run_steps(&c, &why);
-    if (status == DM2_OK)
-        status = finish(&c, &why);
-    close_client(&c, status, &why);
-    if (status != DM2_OK) {
-        free(c.report.servers);
-        return dm2_fail(err, status, "%s", why.text);
-    }
-    c.report.program = "dm2-client";
-    c.report.version = options->version;
-    c.report.deck = options->deck_path;
-    c.report.elements = model_elements(job->model);
-    c.report.ranks = c.ranks;
-    c.report.update_bytes = 8 * subdomain_update_width(job->model);
-    c.report.total = clock_now() - start;
-    *report = c.report;
+    if (course.stations == NULL)
+        return dm2_fail(err, DM2_MEMORY, "no memory for %d servers", ranks);
+    for (int k = 0; k < ranks; k++)
+        course.stations[k].at = options->servers[k];
+    state_merge_open(&course.copy, wire_limits_of(job->model));
+    copy_plan_start(&course.plan, options->recover ? options->copy_every : 0, job->start != NULL ? job->start->step : 0);
+    enum dm2_status status = run_course(job, options, &course, err);
+    if (status != DM2_OK)
+        leave_checkpoint(job, &course, status);
+    decomposition_free(&course.cut);
+    state_merge_free(&course.copy);
+    free(course.stations);
+    if (status != DM2_OK)
+        return status;
+    course.report.program = "dm2-client";
+    course.report.version = options->version;
+    course.report.deck = options->deck_path;
+    course.report.elements = model_elements(job->model);
+    course.report.update_bytes = 8 * subdomain_update_width(job->model);
+    course.report.total = clock_now() - start;
+    *report = course.report;
     return DM2_OK;
 }
 
 enum dm2_status client_measure_network(const struct client_options *options, int ranks, struct dm2_error *err)
 {
-    struct client c = {.options = options, .ranks = ranks, .at = -1};
+    struct course course = {.stations = mem_zalloc((size_t)ranks, sizeof *course.stations), .copy_step = -1};
+    struct client c = {.options = options, .course = &course, .ranks = ranks, .at = -1, .culprit = -1};
     struct dm2_error why = {0};
-    enum dm2_status status = open_peers(&c, &why);
+    for (int k = 0; k < ranks && course.stations != NULL; k++)
+        course.stations[k].at = options->servers[k];
+    enum dm2_status status = course.stations != NULL ? open_peers(&c, &why)
+                                                     : dm2_fail(&why, DM2_MEMORY, "no memory for %d servers", ranks);
     if (status == DM2_OK)
         status = connect_all(&c, &why);
     if (status == DM2_OK)
@@ -956,5 +1297,6 @@ enum dm2_status client_measure_network(const struct client_options *options, int
     for (int k = 0; k < ranks && status == DM2_OK; k++) /* an empty one: that was all */
         status = send_out(&c, k, MESSAGE_ECHO, &why);
     close_client(&c, status, &why);
+    free(course.stations);
     return status == DM2_OK ? DM2_OK : dm2_fail(err, status, "%s", why.text);
 }

@@ -1,5 +1,5 @@
-/* Every line is taken apart into words; the first is host[:port], the others are name=value, of which there
- * is only slots. Whatever is not understood is an error with file and line: a typing mistake must not
+/* Every line is taken apart into words; the first is host[:port], the others are slots=K
+ * and spare. Whatever is not understood is an error with file and line: a typing mistake must not
  * silently take a machine out of the run. */
 #include "dm2/dist/hosts.h"
 
@@ -24,7 +24,21 @@ enum dm2_status endpoints_add(struct endpoints *list, const char *host, int port
     struct endpoint *e = &list->items[list->n++];
     (void)snprintf(e->host, sizeof e->host, "%s", host);
     e->port = port;
+    e->spare = false;
     return DM2_OK;
+}
+
+size_t endpoints_sort(struct endpoints *list)
+{
+    size_t front = 0;
+    for (size_t k = 0; k < list->n; k++) {
+        struct endpoint e = list->items[k];
+        if (e.spare)
+            continue;
+        memmove(&list->items[front + 1], &list->items[front], (k - front) * sizeof e);
+        list->items[front++] = e;
+    }
+    return front;
 }
 
 void endpoints_free(struct endpoints *list)
@@ -104,15 +118,20 @@ static enum dm2_status parse_line(const char *name, int line, const char *at, co
     size_t length;
     struct endpoint e;
     int slots = 1;
+    bool spare = false;
     if (!next_word(&at, end, &word, &length))
         return DM2_OK;
     const char *wrong = split_server(word, length, &e);
     if (wrong != NULL)
-        return dm2_fail(err, DM2_USAGE, "%s:%d: '%.*s': %s; a line is host[:port] [slots=K]", name, line,
+        return dm2_fail(err, DM2_USAGE, "%s:%d: '%.*s': %s; a line is host[:port] [slots=K] [spare]", name, line,
                         (int)length, word, wrong);
     while (next_word(&at, end, &word, &length)) {
+        if (length == 5 && memcmp(word, "spare", 5) == 0) {
+            spare = true;
+            continue;
+        }
         if (length < 6 || memcmp(word, "slots=", 6) != 0)
-            return dm2_fail(err, DM2_USAGE, "%s:%d: '%.*s' is not known; a line is host[:port] [slots=K]",
+            return dm2_fail(err, DM2_USAGE, "%s:%d: '%.*s' is not known; a line is host[:port] [slots=K] [spare]",
                             name, line, (int)length, word);
         if (!number_in(word + 6, length - 6, 1, HOSTS_MOST, &slots) || e.port + slots - 1 > 65535)
             return dm2_fail(err, DM2_USAGE,
@@ -121,8 +140,11 @@ static enum dm2_status parse_line(const char *name, int line, const char *at, co
                             name, line, (int)length, word);
     }
     enum dm2_status status = DM2_OK;
-    for (int k = 0; k < slots && status == DM2_OK; k++)
+    for (int k = 0; k < slots && status == DM2_OK; k++) {
         status = endpoints_add(list, e.host, e.port + k, err);
+        if (status == DM2_OK)
+            list->items[list->n - 1].spare = spare;
+    }
     return status;
 }
 
@@ -138,7 +160,7 @@ enum dm2_status hosts_parse(const char *name, const char *text, struct endpoints
         at = *end == '\n' ? end + 1 : end;
     }
     if (list->n == before)
-        return dm2_fail(err, DM2_USAGE, "%s names no host; a line is host[:port] [slots=K]", name);
+        return dm2_fail(err, DM2_USAGE, "%s names no host; a line is host[:port] [slots=K] [spare]", name);
     return DM2_OK;
 }
 

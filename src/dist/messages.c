@@ -123,6 +123,8 @@ void message_put_assign(struct bytes_writer *w, const struct assign_message *m)
     bytes_put_f64(w, m->timeout);
     bytes_put_i64(w, m->hash_every);
     bytes_put_u8(w, m->rebuild_first);
+    bytes_put_u8(w, m->copy_first);
+    bytes_put_i64(w, m->start);
 }
 
 static int get_cells(struct bytes_reader *r)
@@ -155,7 +157,9 @@ void message_get_assign(struct bytes_reader *r, struct assign_message *m)
     m->timeout = get_seconds(r);
     m->hash_every = bytes_get_i64(r);
     m->rebuild_first = get_bool(r);
-    require(r, m->hash_every >= 0 && bytes_done(r));
+    m->copy_first = get_bool(r);
+    m->start = bytes_get_i64(r);
+    require(r, m->hash_every >= 0 && m->start >= -1 && bytes_done(r));
 }
 
 void message_free_assign(struct assign_message *m)
@@ -217,12 +221,13 @@ void message_get_step(struct bytes_reader *r, struct step_message *m)
     m->n_segments = bytes_get_u32(r);
 }
 
-enum { NEXT_REDO = 1, NEXT_REBUILD = 2, NEXT_FLAGS = 3 };
+enum { NEXT_REDO = 1, NEXT_REBUILD = 2, NEXT_COPY = 4, NEXT_FLAGS = 7 };
 
 void message_put_next(struct bytes_writer *w, const struct next_message *m)
 {
     bytes_put_i64(w, m->step);
-    bytes_put_u8(w, (uint8_t)((m->redo ? NEXT_REDO : 0) | (m->rebuild_next ? NEXT_REBUILD : 0)));
+    bytes_put_u8(w, (uint8_t)((m->redo ? NEXT_REDO : 0) | (m->rebuild_next ? NEXT_REBUILD : 0) |
+                              (m->copy_next ? NEXT_COPY : 0)));
     bytes_put_u32(w, m->n_segments);
 }
 
@@ -233,6 +238,7 @@ void message_get_next(struct bytes_reader *r, struct next_message *m)
     require(r, (flags & ~NEXT_FLAGS) == 0);
     m->redo = (flags & NEXT_REDO) != 0;
     m->rebuild_next = (flags & NEXT_REBUILD) != 0;
+    m->copy_next = (flags & NEXT_COPY) != 0;
     m->n_segments = bytes_get_u32(r);
     require(r, !m->redo || m->n_segments == 0);
 }
@@ -250,8 +256,8 @@ void message_get_state(struct bytes_reader *r, struct state_message *m)
 {
     m->step = bytes_get_i64(r);
     uint8_t purpose = bytes_get_u8(r);
-    require(r, purpose == STATE_SNAPSHOT || purpose == STATE_FINAL);
-    m->purpose = purpose == STATE_SNAPSHOT ? STATE_SNAPSHOT : STATE_FINAL;
+    require(r, purpose >= STATE_SNAPSHOT && purpose <= STATE_COPY);
+    m->purpose = r->failed ? STATE_FINAL : (enum state_purpose)purpose;
     m->last = get_bool(r);
     m->n_elements = bytes_get_u32(r);
     m->n_pairs = bytes_get_u32(r);

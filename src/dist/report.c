@@ -53,6 +53,8 @@ static void add_log(struct bytes_writer *w, const struct run_report *r)
     add(w, "migrants: %llu\n", (unsigned long long)migrants);
     add(w, "g: %zu bytes per boundary element of an update\n", r->update_bytes);
     add(w, "network: %llu bytes in %llu messages\n", (unsigned long long)bytes, (unsigned long long)messages);
+    if (r->losses > 0)
+        add(w, "servers lost and made good: %d\n", r->losses);
     add(w, "client: %.6f s waiting for servers, %.6f s relaying\n", r->wait, r->relay);
     if (r->prediction != NULL)
         bytes_put_raw(w, r->prediction, strlen(r->prediction));

@@ -22,6 +22,7 @@
 #include "dm2/base/mem.h"
 #include "dm2/dist/exchange.h"
 #include "dm2/dist/messages.h"
+#include "dm2/dist/state_parts.h"
 #include "dm2/sim/deck_digest.h"
 #include "dm2/sim/results.h"
 #include "dm2/sim/state_hash.h"
@@ -346,6 +347,74 @@ static enum dm2_status check_assignment(struct session *s, struct dm2_error *err
     return DM2_OK;
 }
 
+enum { PAIRS_MOST = 64 }; /* per element, in the state to start from: far more than fit around one */
+
+/* What is known of the state to start from. */
+struct intake {
+    struct element *elements;
+    struct pair_record *pairs;
+    unsigned char *seen; /* by id */
+    size_t n_elements, n_pairs, elements_cap, pairs_cap;
+};
+
+static enum dm2_status take_part(struct intake *in, const struct model *model, const struct state_message *m,
+                                 struct bytes_reader *r, struct dm2_error *err)
+{
+    const struct wire_limits limits = wire_limits_of(model);
+    void *elements = in->elements, *pairs = in->pairs;
+    if (!m->last && m->n_elements == 0 && m->n_pairs == 0)
+        return dm2_fail(err, DM2_PROTOCOL, "the client sent an empty part of a state");
+    if (in->n_pairs + m->n_pairs > PAIRS_MOST * limits.elements)
+        return dm2_fail(err, DM2_PROTOCOL, "the client sent more than %d pairs per element", PAIRS_MOST);
+    int failed = mem_grow(&elements, &in->elements_cap, in->n_elements, in->n_elements + m->n_elements,
+                          sizeof *in->elements);
+    in->elements = elements;
+    if (failed == 0)
+        failed = mem_grow(&pairs, &in->pairs_cap, in->n_pairs, in->n_pairs + m->n_pairs, sizeof *in->pairs);
+    in->pairs = pairs;
+    if (failed != 0)
+        return dm2_fail(err, DM2_MEMORY, "no memory for the state to start from");
+    for (size_t k = 0; k < m->n_elements && !r->failed; k++) {
+        struct element *e = &in->elements[in->n_elements];
+        wire_get_element(r, &limits, e);
+        if (!r->failed && in->seen[e->id])
+            return dm2_fail(err, DM2_PROTOCOL, "the client sent element %u twice", e->id);
+        if (!r->failed)
+            in->seen[e->id] = 1;
+        in->n_elements++;
+    }
+    for (size_t k = 0; k < m->n_pairs && !r->failed; k++)
+        wire_get_pair(r, &limits, &in->pairs[in->n_pairs++]);
+    return bytes_done(r) ? DM2_OK : not_decoded("STATE", err);
+}
+
+/* The elements and pairs of this rank at the step to start from, in as many parts as they take. */
+static enum dm2_status get_state(struct session *s, struct dm2_error *err)
+{
+    struct intake in = {.seen = mem_zalloc(model_elements(s->model), 1)};
+    struct state_message m = {.last = false};
+    enum dm2_status status =
+        in.seen == NULL ? dm2_fail(err, DM2_MEMORY, "no memory for the state to start from") : DM2_OK;
+    while (status == DM2_OK && !m.last) {
+        struct bytes_reader r;
+        status = expect(s, MESSAGE_STATE, LIMIT_STATE, patience(s), &r, err);
+        if (status != DM2_OK)
+            break;
+        message_get_state(&r, &m);
+        if (r.failed || m.purpose != STATE_COPY || m.step != s->assign.start || m.step > s->config.steps)
+            status = not_decoded("STATE", err);
+        else
+            status = take_part(&in, s->model, &m, &r, err);
+    }
+    if (status == DM2_OK)
+        status = subdomain_restore(s->model, &s->map, s->assign.rank, m.step, in.elements, in.n_elements, in.pairs,
+                                   in.n_pairs, &s->sd, err);
+    free(in.elements);
+    free(in.pairs);
+    free(in.seen);
+    return status;
+}
+
 static enum dm2_status get_assignment(struct session *s, struct dm2_error *err)
 {
     struct bytes_reader r;
@@ -363,7 +432,8 @@ static enum dm2_status get_assignment(struct session *s, struct dm2_error *err)
         return status;
     s->map = (struct domain_map){
         .grid = model_grid(s->model), .ranks = s->assign.ranks, .owner = s->decomposition.owner};
-    status = subdomain_create(s->model, &s->map, s->assign.rank, &s->sd, err);
+    status = s->assign.start >= 0 ? get_state(s, err)
+                                  : subdomain_create(s->model, &s->map, s->assign.rank, &s->sd, err);
     if (status != DM2_OK)
         return status;
     return exchange_open(&s->exchange, s->model, s->assign.rank, s->assign.ranks, err);
@@ -387,41 +457,11 @@ static enum dm2_status send_ready(struct session *s, struct dm2_error *err)
 /* --- states -----------------------------------------------------------------------------------------------
  */
 
-/* The state in parts of at most LIMIT_STATE bytes: elements first, then pairs; the last part says so. */
-static enum dm2_status send_state_parts(struct session *s, struct state_message head,
-                                        const struct element *elements,
-                                        const struct element_measure *measured,
-                                        const struct pair_record *pairs, struct dm2_error *err)
-{
-    size_t each = WIRE_ELEMENT + (measured != NULL ? WIRE_MEASURED : 0), most = LIMIT_STATE - 64;
-    size_t n_elements = head.n_elements, n_pairs = head.n_pairs, e = 0, p = 0;
-    do {
-        head.n_elements = n_elements - e < most / each ? n_elements - e : most / each;
-        size_t room = (most - head.n_elements * each) / WIRE_PAIR;
-        head.n_pairs = n_pairs - p < room ? n_pairs - p : room;
-        head.last = e + head.n_elements == n_elements && p + head.n_pairs == n_pairs;
-        bytes_clear(&s->out);
-        message_put_state(&s->out, &head);
-        for (size_t k = 0; k < head.n_elements; k++)
-            wire_put_element(&s->out, &elements[e + k]);
-        for (size_t k = 0; k < head.n_elements && measured != NULL; k++)
-            wire_put_measured(&s->out, &measured[e + k]);
-        for (size_t k = 0; k < head.n_pairs; k++)
-            wire_put_pair(&s->out, &pairs[p + k]);
-        e += head.n_elements;
-        p += head.n_pairs;
-        enum dm2_status status = send_out(s, MESSAGE_STATE, err);
-        if (status != DM2_OK)
-            return status;
-    } while (!head.last);
-    return DM2_OK;
-}
-
 static enum dm2_status send_state(struct session *s, enum state_purpose purpose, struct dm2_error *err)
 {
     double start = clock_now();
     size_t n = subdomain_owned(s->sd);
-    struct state_message head = {.step = subdomain_step(s->sd), .purpose = purpose, .n_elements = n};
+    struct state_parts parts = {.head = {.step = subdomain_step(s->sd), .purpose = purpose}, .n_elements = n};
     struct element *elements = mem_alloc(n, sizeof *elements);
     struct element_measure *measured = purpose == STATE_SNAPSHOT ? mem_alloc(n, sizeof *measured) : NULL;
     struct pair_record *pairs = NULL;
@@ -431,9 +471,12 @@ static enum dm2_status send_state(struct session *s, enum state_purpose purpose,
     if (status == DM2_OK)
         status = subdomain_collect(s->sd, elements, measured, err);
     if (status == DM2_OK)
-        status = subdomain_collect_pairs(s->sd, &pairs, &head.n_pairs, err);
-    if (status == DM2_OK)
-        status = send_state_parts(s, head, elements, measured, pairs, err);
+        status = subdomain_collect_pairs(s->sd, &pairs, &parts.n_pairs, err);
+    parts.elements = elements;
+    parts.measured = measured;
+    parts.pairs = pairs;
+    while (status == DM2_OK && state_parts_next(&parts, &s->out))
+        status = send_out(s, MESSAGE_STATE, err);
     free(elements);
     free(measured);
     free(pairs);
@@ -531,13 +574,13 @@ static enum dm2_status get_next(struct session *s, int64_t step, struct next_mes
     return DM2_OK;
 }
 
-/* The exchange after a step; *rebuild says how, and gets how the next one will be. */
-static enum dm2_status exchange_step(struct session *s, struct step_message *m, bool *rebuild,
+/* The exchange after a step; *asked says how, and gets how the next one will be. */
+static enum dm2_status exchange_step(struct session *s, struct step_message *m, struct next_message *asked,
                                      struct dm2_error *err)
 {
     struct next_message next;
     struct bytes_reader r;
-    m->rebuild = *rebuild;
+    m->rebuild = asked->rebuild_next;
     enum dm2_status status = send_step(s, m, err);
     if (status == DM2_OK)
         status = get_next(s, m->step, &next, &r, err);
@@ -562,11 +605,11 @@ static enum dm2_status exchange_step(struct session *s, struct step_message *m, 
     else
         status = exchange_take_update(&s->exchange, s->sd, &r, next.n_segments, err);
     s->times.unpack += clock_now() - start - tally(s);
-    *rebuild = next.rebuild_next;
+    *asked = next;
     return status;
 }
 
-static enum dm2_status step(struct session *s, int64_t n, bool *rebuild, struct dm2_error *err)
+static enum dm2_status step(struct session *s, int64_t n, struct next_message *asked, struct dm2_error *err)
 {
     bool snapshot = results_snapshot_due(&s->config, n), measure = results_measure_due(&s->config, n);
     struct step_message m = {.step = n + 1, .measured = measure};
@@ -581,8 +624,10 @@ static enum dm2_status step(struct session *s, int64_t n, bool *rebuild, struct 
     m.hashed = every > 0 && (m.step % every == 0 || m.step == s->config.steps);
     if (status == DM2_OK && m.hashed)
         status = state_hash_subdomain(s->sd, &m.hash, err);
+    if (status == DM2_OK && asked->copy_next)
+        status = send_state(s, STATE_COPY, err);
     if (status == DM2_OK)
-        status = exchange_step(s, &m, rebuild, err);
+        status = exchange_step(s, &m, asked, err);
     s->times.steps++;
     s->times.mirrored += subdomain_mirrored(s->sd);
     s->summary->steps = m.step;
@@ -591,12 +636,12 @@ static enum dm2_status step(struct session *s, int64_t n, bool *rebuild, struct 
 
 static enum dm2_status run_steps(struct session *s, struct dm2_error *err)
 {
-    bool rebuild = s->assign.rebuild_first;
+    struct next_message asked = {.rebuild_next = s->assign.rebuild_first, .copy_next = s->assign.copy_first};
     enum dm2_status status = DM2_OK;
     double cpu = clock_cpu();
     s->heard = clock_now();
-    for (int64_t n = 0; n < s->config.steps && status == DM2_OK; n++)
-        status = step(s, n, &rebuild, err);
+    for (int64_t n = subdomain_step(s->sd); n < s->config.steps && status == DM2_OK; n++)
+        status = step(s, n, &asked, err);
     s->times.cpu = clock_cpu() - cpu;
     return status;
 }

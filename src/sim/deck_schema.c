@@ -309,6 +309,8 @@ static const struct deck_key output_keys[] = {
      .meaning = "steps between snapshots; 0: none but those of `snapshot_at`"},
     {"snapshot_at", VALUE_STEPS, 1, PLAIN, NOT_NEGATIVE, .initial = "none", FIELD(snapshot_at),
      .meaning = "further steps to take a snapshot at, in any order"},
+    {"checkpoint_every", VALUE_WHOLE, 1, PLAIN, NOT_NEGATIVE, .initial = "0", FIELD(checkpoint_every),
+     .meaning = "steps between checkpoints, from which `--restart` continues; 0: none"},
     {"format", VALUE_FORMATS, 1, PLAIN, ANY, .choices = "vtp|xyz", .initial = "vtp", FIELD(vtp),
      .meaning = "of snapshots: `vtp` (ParaView), `xyz` (OVITO), or both"},
     {"strain", VALUE_FLAG, 1, PLAIN, ANY, .choices = "no|yes", .initial = "no", FIELD(strain),

@@ -23,6 +23,7 @@
 #include "dm2/base/number.h"
 #include "dm2/base/text.h"
 #include "dm2/sim/fragments.h"
+#include "dm2/sim/resume.h"
 #include "dm2/sim/snapshot.h"
 #include "dm2/sim/state.h"
 
@@ -34,11 +35,14 @@ struct results {
     uint8_t digest[RESULTS_DIGEST_BYTES];
     struct file_out history, fragments;     /* tables that grow; the second is opened with its first row */
     struct file_out profiles[PROFILE_MAX];
+    int64_t history_step, snapshot_step, profile_step[PROFILE_MAX]; /* the newest that are written; -1: none */
+    int64_t checkpoint_step;                                        /* of the newest one; -1: none */
     int64_t *snapshot_steps; /* those written, for the series file */
     size_t n_snapshots, cap_snapshots;
 };
 
-static const char *const known_files[] = {"history.csv", "fragments.csv", "final.dm2", "run.log", "timing.csv"};
+static const char *const known_files[] = {"history.csv", "fragments.csv", "final.dm2", "run.log", "timing.csv",
+                                          "checkpoint.dm2", "checkpoint.prev.dm2", "checkpoint.next.dm2"};
 static const char snapshots_name[] = "snapshots";
 static const char series_name[] = "series.pvd";
 
@@ -336,6 +340,9 @@ enum dm2_status results_history(struct results *r, int64_t step, const struct me
                                 struct dm2_error *err)
 {
     struct file_out *f = &r->history;
+    if (step <= r->history_step)
+        return DM2_OK;
+    r->history_step = step;
     struct exact_sum total = conserved(m);
     const struct exact_sum *energies[] = {&m->kinetic,  &m->potential, &m->elastic, &m->thermal,
                                           &m->chemical, &m->phase,     &m->work,    &total};
@@ -392,6 +399,9 @@ enum dm2_status results_profile(struct results *r, size_t which, int64_t step, c
 {
     const struct profile_config *c = &r->config->profiles[which];
     struct file_out *f = &r->profiles[which];
+    if (step <= r->profile_step[which])
+        return DM2_OK;
+    r->profile_step[which] = step;
     for (size_t k = 0; k < (size_t)c->bins; k++) {
         struct profile_means m = profile_means(&bins[k], c, r->config, &r->scales);
         file_printf(f, "%" PRId64, step);
@@ -487,6 +497,8 @@ enum dm2_status results_snapshot(struct results *r, int64_t step, const struct e
                                  const struct pair_record *pairs, size_t n_pairs, struct dm2_error *err)
 {
     struct fragment_counts counts;
+    if (step <= r->snapshot_step)
+        return DM2_OK;
     uint32_t *fragment = mem_alloc(n_elements, sizeof *fragment);
     if (fragment == NULL)
         return dm2_fail(err, DM2_MEMORY, "no memory for the fragments of %zu elements", n_elements);
@@ -496,6 +508,8 @@ enum dm2_status results_snapshot(struct results *r, int64_t step, const struct e
     if (status == DM2_OK)
         status = write_snapshot(
             r, &(struct snapshot){r->config, step, elements, measured, n_elements, pairs, n_pairs, fragment}, err);
+    if (status == DM2_OK)
+        r->snapshot_step = step;
     free(fragment);
     return status;
 }
@@ -535,9 +549,10 @@ static void free_results(struct results *r)
     free(r);
 }
 
-enum dm2_status results_open(const char *directory, bool overwrite, const struct config *config,
-                             struct measure_scales scales, const uint8_t digest[RESULTS_DIGEST_BYTES],
-                             struct results **out, struct dm2_error *err)
+/* An object for the run, without its directory. */
+static enum dm2_status start(const char *directory, const struct config *config, struct measure_scales scales,
+                             const uint8_t digest[RESULTS_DIGEST_BYTES], struct results **out,
+                             struct dm2_error *err)
 {
     *out = NULL;
     if (directory[0] == '\0')
@@ -547,13 +562,29 @@ enum dm2_status results_open(const char *directory, bool overwrite, const struct
         return no_memory(err);
     r->config = config;
     r->scales = scales;
+    r->history_step = r->snapshot_step = r->checkpoint_step = -1;
+    for (size_t k = 0; k < PROFILE_MAX; k++)
+        r->profile_step[k] = -1;
     memcpy(r->digest, digest, sizeof r->digest);
     r->directory = text_join(directory, "", "");
     if (r->directory == NULL) {
         free_results(r);
         return no_memory(err);
     }
-    enum dm2_status status = prepare_directory(r, overwrite, err);
+    *out = r;
+    return DM2_OK;
+}
+
+enum dm2_status results_open(const char *directory, bool overwrite, const struct config *config,
+                             struct measure_scales scales, const uint8_t digest[RESULTS_DIGEST_BYTES],
+                             struct results **out, struct dm2_error *err)
+{
+    struct results *r;
+    enum dm2_status status = start(directory, config, scales, digest, &r, err);
+    *out = NULL;
+    if (status != DM2_OK)
+        return status;
+    status = prepare_directory(r, overwrite, err);
     char *path = NULL;
     if (status == DM2_OK && (path = text_join(directory, "/", "history.csv")) == NULL)
         status = no_memory(err);
@@ -573,6 +604,191 @@ enum dm2_status results_open(const char *directory, bool overwrite, const struct
     *out = r;
     return DM2_OK;
 }
+
+/* --- checkpoints ------------------------------------------------------------------------------------------
+ */
+
+struct profile_due {
+    const struct config *config;
+    size_t which;
+};
+
+static bool history_due(const void *context, int64_t step)
+{
+    return results_history_due(context, step);
+}
+
+static bool snapshot_due(const void *context, int64_t step)
+{
+    return results_snapshot_due(context, step);
+}
+
+static bool profile_due(const void *context, int64_t step)
+{
+    const struct profile_due *p = context;
+    return results_profile_due(p->config, p->which, step);
+}
+
+/* Takes one table over from the directory `source`: its .part file, or the file of a run that came to its end. */
+static enum dm2_status continue_table(const struct results *r, const char *source, bool here, const char *name,
+                                      const struct resume_plan *plan, struct file_out *f, struct dm2_error *err)
+{
+    unsigned char *text = NULL;
+    size_t n = 0, keep = 0;
+    char *from = text_join(source, "/", name), *part = from == NULL ? NULL : text_join(from, ".part", "");
+    char *to = text_join(r->directory, "/", name);
+    enum dm2_status status = part == NULL || to == NULL ? no_memory(err) : DM2_OK;
+    bool whole = status == DM2_OK && access(part, F_OK) != 0;
+    if (status == DM2_OK)
+        status = file_read(whole ? from : part, SIZE_MAX / 4, &text, &n, err);
+    if (status == DM2_OK)
+        status = resume_keep(whole ? from : part, text, n, plan, &keep, err);
+    if (status == DM2_OK && here && whole)
+        status = file_rename(from, part, err);
+    if (status == DM2_OK && here) {
+        status = file_reopen(f, to, keep, err);
+    } else if (status == DM2_OK) {
+        status = file_create(f, to, err);
+        if (status == DM2_OK) {
+            file_write(f, text, keep);
+            status = file_flush(f, err);
+        }
+    }
+    free(text);
+    free(from);
+    free(part);
+    free(to);
+    return status;
+}
+
+static enum dm2_status continue_tables(struct results *r, const char *source, bool here, int64_t step,
+                                       struct dm2_error *err)
+{
+    const struct config *c = r->config;
+    struct resume_plan plan = {.due = history_due, .context = c, .rows = 1, .step = step};
+    enum dm2_status status = continue_table(r, source, here, "history.csv", &plan, &r->history, err);
+    for (size_t k = 0; k < c->n_profiles && status == DM2_OK; k++) {
+        char name[NAME_MAX_LENGTH + 16];
+        struct profile_due which = {c, k};
+        plan = (struct resume_plan){.due = profile_due, .context = &which, .rows = c->profiles[k].bins, .step = step};
+        (void)snprintf(name, sizeof name, "profile-%s.csv", c->profiles[k].name);
+        status = continue_table(r, source, here, name, &plan, &r->profiles[k], err);
+    }
+    bool fragments = false;
+    for (int64_t s = 0; s < step && !fragments; s++)
+        fragments = results_snapshot_due(c, s);
+    plan = (struct resume_plan){.due = snapshot_due, .context = c, .rows = 1, .step = step};
+    if (status == DM2_OK && fragments)
+        status = continue_table(r, source, here, "fragments.csv", &plan, &r->fragments, err);
+    return status;
+}
+
+/* The snapshots of earlier steps that are in the directory stay in the series. */
+static enum dm2_status continue_series(struct results *r, int64_t step, struct dm2_error *err)
+{
+    char *directory = text_join(r->directory, "/", snapshots_name);
+    enum dm2_status status = directory == NULL ? no_memory(err) : DM2_OK;
+    for (int64_t s = 0; s < step && status == DM2_OK && r->config->output.vtp; s++) {
+        char name[SNAPSHOT_NAME_MAX];
+        if (!results_snapshot_due(r->config, s))
+            continue;
+        snapshot_file_name(s, "vtp", name);
+        char *path = text_join(directory, "/", name);
+        void *steps = r->snapshot_steps;
+        if (path == NULL ||
+            mem_grow(&steps, &r->cap_snapshots, r->n_snapshots, r->n_snapshots + 1, sizeof *r->snapshot_steps) != 0)
+            status = no_memory(err);
+        else
+            r->snapshot_steps = steps;
+        if (status == DM2_OK && access(path, F_OK) == 0)
+            r->snapshot_steps[r->n_snapshots++] = s;
+        free(path);
+    }
+    free(directory);
+    return status;
+}
+
+static bool same_directory(const char *a, const char *b)
+{
+    struct stat one, other;
+    return stat(a, &one) == 0 && stat(b, &other) == 0 && one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+}
+
+enum dm2_status results_continue(const char *directory, bool overwrite, const char *source, int64_t step,
+                                 const struct config *config, struct measure_scales scales,
+                                 const uint8_t digest[RESULTS_DIGEST_BYTES], struct results **out,
+                                 struct dm2_error *err)
+{
+    struct results *r;
+    enum dm2_status status = start(directory, config, scales, digest, &r, err);
+    *out = NULL;
+    if (status != DM2_OK)
+        return status;
+    bool here = same_directory(directory, source);
+    if (here)
+        r->checkpoint_step = step;
+    else
+        status = prepare_directory(r, overwrite, err);
+    if (status == DM2_OK)
+        status = continue_tables(r, source, here, step, err);
+    if (status == DM2_OK)
+        status = continue_series(r, step, err);
+    r->history_step = r->snapshot_step = step - 1;
+    for (size_t k = 0; k < PROFILE_MAX; k++)
+        r->profile_step[k] = step - 1;
+    if (status != DM2_OK) {
+        results_abort(r);
+        return status;
+    }
+    *out = r;
+    return DM2_OK;
+}
+
+bool results_checkpoint_due(const struct config *c, int64_t every, int64_t step)
+{
+    return every > 0 && step > 0 && step < c->steps && step % every == 0;
+}
+
+int64_t results_checkpoint_step(const struct results *r)
+{
+    return r->checkpoint_step;
+}
+
+static enum dm2_status sync_tables(struct results *r, struct dm2_error *err)
+{
+    enum dm2_status status = file_sync(&r->history, err);
+    for (size_t k = 0; status == DM2_OK && k < r->config->n_profiles; k++)
+        status = file_sync(&r->profiles[k], err);
+    if (status == DM2_OK && r->fragments.path != NULL)
+        status = file_sync(&r->fragments, err);
+    return status;
+}
+
+enum dm2_status results_checkpoint(struct results *r, int64_t step, const struct element *elements,
+                                   size_t n_elements, const struct pair_record *pairs, size_t n_pairs,
+                                   struct dm2_error *err)
+{
+    const struct state_view s = {r->digest, step, elements, n_elements, pairs, n_pairs};
+    char *now = text_join(r->directory, "/", "checkpoint.dm2");
+    char *next = text_join(r->directory, "/", "checkpoint.next.dm2");
+    char *before = text_join(r->directory, "/", "checkpoint.prev.dm2");
+    enum dm2_status status = now == NULL || next == NULL || before == NULL ? no_memory(err) : sync_tables(r, err);
+    if (status == DM2_OK)
+        status = state_write(next, &s, err);
+    if (status == DM2_OK && access(now, F_OK) == 0)
+        status = file_rename(now, before, err);
+    if (status == DM2_OK)
+        status = file_rename(next, now, err);
+    if (status == DM2_OK)
+        r->checkpoint_step = step;
+    free(now);
+    free(next);
+    free(before);
+    return status;
+}
+
+/* --- the end ----------------------------------------------------------------------------------------------
+ */
 
 enum dm2_status results_close(struct results *r, struct dm2_error *err)
 {
@@ -594,10 +810,11 @@ void results_abort(struct results *r)
 {
     if (r == NULL)
         return;
-    file_abandon(&r->history);
-    file_abandon(&r->fragments);
+    void (*leave)(struct file_out *) = r->checkpoint_step >= 0 ? file_suspend : file_abandon;
+    leave(&r->history);
+    leave(&r->fragments);
     for (size_t k = 0; k < PROFILE_MAX; k++)
-        file_abandon(&r->profiles[k]);
+        leave(&r->profiles[k]);
     char *snapshots = text_join(r->directory, "/", snapshots_name);
     if (snapshots != NULL && r->made_snapshots)
         (void)rmdir(snapshots); /* both fail where something complete is inside, as they should */

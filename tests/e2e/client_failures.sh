@@ -95,14 +95,14 @@ client_ends()
 start_server
 one=$SERVER_PID one_addr=$SERVER_ADDR one_log=$SERVER_LOG
 start_server
-run_long --server "$one_addr" --server "$SERVER_ADDR"
+run_long --no-recover --server "$one_addr" --server "$SERVER_ADDR"
 kill -KILL "$SERVER_PID"
 client_ends 3 "server 1 of 2, step "
 expect_text err "$SERVER_ADDR"
 grep -q -E 'closed the connection|connection broke' err || fail "no reason"
 stop_server "$SERVER_PID"
 start_server
-run_long --server "$one_addr" --server "$SERVER_ADDR" --timeout 1
+run_long --no-recover --server "$one_addr" --server "$SERVER_ADDR" --timeout 1
 kill -STOP "$SERVER_PID"
 client_ends 3 "$SERVER_ADDR"
 expect_text err 'server 1 of 2, step '
@@ -110,7 +110,7 @@ expect_text err 'no answer for 1 s'
 kill -CONT "$SERVER_PID"
 
 # A server that is asked to end tells the client.
-run_long --server "$one_addr" --server "$SERVER_ADDR"
+run_long --no-recover --server "$one_addr" --server "$SERVER_ADDR"
 kill -TERM "$SERVER_PID"
 client_ends 3 'asked to end by a signal'
 expect_text err "$SERVER_ADDR"
@@ -118,7 +118,7 @@ stop_server "$SERVER_PID"
 
 # The client is killed: the server notices, and serves the next one.
 start_server
-run_long --server "$one_addr" --server "$SERVER_ADDR"
+run_long --no-recover --server "$one_addr" --server "$SERVER_ADDR"
 kill -KILL "$client_pid"
 wait "$client_pid"
 exec 4<&-
@@ -128,10 +128,18 @@ expect_status 0 "$client" "$deck" -q --server "$one_addr" --server "$SERVER_ADDR
 [ "$(grep -c 'closed the connection\|connection broke' "$one_log")" -ge 1 ] || fail "no reason in the log"
 kill -0 "$one" || fail "the first server is gone"
 
-# An interrupted client ends its servers and says so.
+# An interrupted client ends its servers, leaves a checkpoint with the tables up to there, and says so.
 run_long -n 2
 kill -TERM "$client_pid"
-client_ends 1 'interrupted'
+cat <&4 >err
+got=0
+wait "$client_pid" || got=$?
+exec 4<&-
+rm -f progress
+[ "$got" -eq 1 ] || { cat err; fail "exit status $got, expected 1"; }
+expect_text err 'interrupted'
+expect_text err '--restart long/checkpoint.dm2'
+[ -f long/checkpoint.dm2 ] && [ -f long/history.csv.part ] && [ ! -f long/history.csv ] || fail "$(find long) was left"
 
 # One that is killed leaves no server behind: the next connection sees it end, the one after finds nobody.
 run_long -n 2

@@ -15,6 +15,7 @@
 #include "dm2/sim/deck.h"
 #include "dm2/sim/model.h"
 #include "dm2/sim/results.h"
+#include "dm2/sim/state.h"
 
 struct run_options {
     const char *program;
@@ -24,12 +25,14 @@ struct run_options {
     struct option_list defines;
     int64_t steps;      /* -1: as the deck says */
     int64_t hash_every; /* 0: never */
+    int64_t checkpoint_every; /* -1: as the deck says; 0: never */
+    const char *restart;      /* a state file to continue from; NULL: none */
     const char *progress_text;
     enum progress_mode progress;
     bool overwrite, check, quiet, verbose, help, version;
 };
 
-enum { RUN_OPTIONS = 11 };
+enum { RUN_OPTIONS = 13 };
 
 /* Defaults, and the table of the options above: RUN_OPTIONS entries. A program puts its own before or after
  * them. */
@@ -46,16 +49,28 @@ struct run {
     bool loaded; /* config is to be freed */
     struct model *model;
     unsigned char digest[SHA256_BYTES];
+    bool restarted;
+    struct state state; /* that it continues from */
 };
 
-/* Reads, checks and builds. The deck's findings are printed on standard error (warnings not with --quiet).
+/* Reads, checks and builds, and reads the state of --restart: DM2_PROTOCOL or DM2_IO where that cannot be used, with
+ * the reason and the checkpoint before it, if that one can.
+ *
+ * The deck's findings are printed on standard error (warnings not with --quiet).
  * DM2_DECK and others, with a closing sentence in *err. */
 enum dm2_status run_load(const struct run_options *o, struct run *run, struct dm2_error *err);
 void run_free(struct run *run);
 
-/* Opens the run directory of -o, or the default one. */
+/* Opens the run directory of -o, or the default one: with --restart, that in which the checkpoint lies. */
 enum dm2_status run_open_results(const struct run_options *o, const struct run *run, struct results **out,
                                  struct dm2_error *err);
+
+/* Every how many steps the run writes a checkpoint; 0: never. */
+int64_t run_checkpoint_every(const struct run_options *o, const struct run *run);
+
+/* Says on standard error how a run that failed can be continued, where there is a checkpoint. Before
+ * results_abort; `results` may be NULL. */
+void run_print_restart(const struct run_options *o, const struct results *results);
 
 /* What --check prints: elements, cells, time step, each subdomain with its elements and interface, memory. It
  * generates every subdomain once, so bodies that overlap are found here too. `server_names` (one per rank)

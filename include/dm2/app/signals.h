@@ -4,7 +4,8 @@
 
 /* From now on SIGINT, SIGTERM and SIGHUP (where they were not ignored already, as by nohup) make the returned
  * descriptor readable instead of ending the program, and SIGPIPE and SIGXFSZ are ignored, so that writes fail
- * with an error instead. -1 where no pipe can be made: then the signals end the program as ever. */
+ * with an error instead. A second such signal ends the program at once.
+ * -1 where no pipe can be made: then the signals end the program as ever. */
 int signals_catch(void);
 
 /* The first of these signals that came, or 0. */

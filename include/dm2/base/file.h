@@ -42,6 +42,18 @@ enum dm2_status file_flush(struct file_out *f, struct dm2_error *err);
  * is removed and what was under the final name stays as it was. *f is empty afterwards. */
 enum dm2_status file_commit(struct file_out *f, struct dm2_error *err);
 
+/* Takes up path.part where an earlier program left it: cuts it to its first `keep` bytes and appends to them. */
+enum dm2_status file_reopen(struct file_out *f, const char *path, size_t keep, struct dm2_error *err);
+
+/* Flushes and fsyncs what is there so far; the file stays open. */
+enum dm2_status file_sync(struct file_out *f, struct dm2_error *err);
+
+/* Closes and leaves the temporary file for file_reopen. Does nothing to an empty or zeroed *f. */
+void file_suspend(struct file_out *f);
+
+/* Renames a file and brings that to disk. */
+enum dm2_status file_rename(const char *from, const char *to, struct dm2_error *err);
+
 /* Closes and removes the temporary file. Does nothing to an empty or zeroed *f. */
 void file_abandon(struct file_out *f);
 

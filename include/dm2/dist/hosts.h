@@ -1,10 +1,12 @@
 /* Which servers there are: host names with ports, and the hosts file.
  *
- * A hosts file has one line per machine, `host[:port] [slots=K]`, and `#` starts a comment. `slots=K` stands
- * for K servers, on the ports port .. port+K-1. An IPv6 address with a port is written [address]:port. */
+ * A hosts file has one line per machine, `host[:port] [slots=K] [spare]`, and `#` starts a comment. `slots=K` stands
+ * for K servers, on the ports port .. port+K-1; those of a line with `spare` stand in for others that are lost.
+ * An IPv6 address with a port is written [address]:port. */
 #ifndef DM2_DIST_HOSTS_H
 #define DM2_DIST_HOSTS_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "dm2/base/status.h"
@@ -14,6 +16,7 @@ enum { HOST_MAX = 255, HOSTS_MOST = 65535 };
 struct endpoint {
     char host[HOST_MAX + 1];
     int port;
+    bool spare;
 };
 
 /* A list that grows; start from {0}. */
@@ -24,6 +27,8 @@ struct endpoints {
 
 /* DM2_MEMORY. */
 enum dm2_status endpoints_add(struct endpoints *list, const char *host, int port, struct dm2_error *err);
+/* Puts the spares behind the others, both in their order; returns how many are none. */
+size_t endpoints_sort(struct endpoints *list);
 void endpoints_free(struct endpoints *list);
 
 /* Adds HOST[:PORT]; without a port the default one. DM2_USAGE that says what is wrong. */

@@ -18,7 +18,7 @@
 #include "dm2/sim/deck.h"
 #include "dm2/sim/measures.h"
 
-enum { PROTOCOL_VERSION = 4 };
+enum { PROTOCOL_VERSION = 5 };
 
 enum { DEFAULT_PORT = 4702 }; /* of a server; the one place where it is written */
 
@@ -32,7 +32,7 @@ enum message_type {
     MESSAGE_READY = 6,   /* s: the subdomain stands */
     MESSAGE_STEP = 7,    /* s: one step is done: dmax, measures, segments for others */
     MESSAGE_NEXT = 8,    /* c: the segments of others, and what to do next */
-    MESSAGE_STATE = 9,   /* s: a part of a state */
+    MESSAGE_STATE = 9,   /* either: a part of a state */
     MESSAGE_DONE = 10,   /* s: last measures, timing; the session is over */
     MESSAGE_ECHO = 13,   /* c: bytes, after WELCOME; s: the same bytes. An empty one ends the session */
     MESSAGE_ERROR = 11,  /* either: why the session ends now */
@@ -79,6 +79,8 @@ struct assign_message {
     double timeout;             /* the client's, seconds */
     int64_t hash_every;         /* 0: never */
     bool rebuild_first;         /* the first step ends with a rebuild */
+    bool copy_first;            /* the state comes with the first step */
+    int64_t start;              /* the step to start from; its state follows in STATE messages; -1: generate */
 };
 
 struct ready_message {
@@ -104,10 +106,12 @@ struct next_message {
     int64_t step;
     bool redo;         /* no segments: send the same step again as a rebuild */
     bool rebuild_next; /* the next step ends with a rebuild */
+    bool copy_next;    /* the state comes with the next step */
     uint32_t n_segments;
 };
 
-enum state_purpose { STATE_SNAPSHOT = 1, STATE_FINAL = 2 };
+/* A copy: from a server, of the step of the STEP message that follows; from the client, to start from. */
+enum state_purpose { STATE_SNAPSHOT = 1, STATE_FINAL = 2, STATE_COPY = 3 };
 
 struct state_message {
     int64_t step;

@@ -169,6 +169,7 @@ struct profile_config {
 struct output_config {
     int64_t history_every;  /* steps between rows of history.csv, default 1/200 of the run, at least 1 */
     int64_t snapshot_every; /* 0: none by interval */
+    int64_t checkpoint_every; /* steps between checkpoints; 0: none by interval */
     size_t n_snapshot_at;
     int64_t *snapshot_at; /* further steps, ascending, without repeats */
     bool vtp, xyz;        /* formats; default vtp */

@@ -4,6 +4,7 @@
  *   profile-NAME.csv       one row per bin and measured step of each profile of the deck (dm2/sim/profile.h)
  *   fragments.csv          one row per snapshot: how many fragments there are (dm2/sim/fragments.h)
  *   final.dm2              the state after the last step (dm2/sim/state.h)
+ *   checkpoint.dm2         the newest checkpoint (dm2/sim/state.h); checkpoint.prev.dm2 is the one before it
  *   snapshots/state-*.vtp  states at the steps that the deck names, with series.pvd (ParaView),
  *   snapshots/state-*.xyz  and/or extended XYZ (OVITO) (dm2/sim/snapshot.h)
  *   run.log, timing.csv    texts that the program writes with results_text
@@ -11,7 +12,9 @@
  * Every file is written under a temporary name (its own with ".part" at the end), brought to disk and
  * renamed, so a file under its final name is always whole. The tables that grow with the run, history.csv,
  * profile-NAME.csv and fragments.csv, get their final names in results_close only: a run that ended early leaves no
- * history and no final state, while the snapshots that it completed stay. The bytes of all but run.log and timing.csv
+ * history and no final state, while the snapshots that it completed stay. One that has written a checkpoint leaves
+ * its tables under their temporary names: they are on disk up to the checkpoint's step before the checkpoint is, and
+ * results_continue takes them over. The bytes of all but run.log and timing.csv
  * depend on the deck and the results alone.
  *
  * Every function that returns a status: DM2_IO with the path and the system's reason, or DM2_MEMORY. After a
@@ -47,6 +50,27 @@ enum dm2_status results_open(const char *directory, bool overwrite, const struct
                              struct measure_scales scales, const uint8_t digest[RESULTS_DIGEST_BYTES],
                              struct results **out, struct dm2_error *err);
 
+/* The same for a run that continues from a checkpoint of step `step` in the directory `source`, whose tables are taken
+ * over up to that step: rows of later steps go, none is missing or there twice. Where `directory` is `source`, it goes
+ * on there; else the directory is prepared as by results_open, and the rows are copied into it, while snapshots stay
+ * where they are. DM2_PROTOCOL where the tables do not have the rows before the checkpoint: which, and what to do. */
+enum dm2_status results_continue(const char *directory, bool overwrite, const char *source, int64_t step,
+                                 const struct config *config, struct measure_scales scales,
+                                 const uint8_t digest[RESULTS_DIGEST_BYTES], struct results **out,
+                                 struct dm2_error *err);
+
+/* Brings the tables to disk, then writes the state as checkpoint.dm2 and keeps the one before as
+ * checkpoint.prev.dm2. Rows up to step - 1 must have been added. */
+enum dm2_status results_checkpoint(struct results *r, int64_t step, const struct element *elements,
+                                   size_t n_elements, const struct pair_record *pairs, size_t n_pairs,
+                                   struct dm2_error *err);
+
+/* The step of the newest checkpoint in the directory that this run wrote or continues from; -1: none. */
+int64_t results_checkpoint_step(const struct results *r);
+
+/* Whether a checkpoint is due at `step`, every `every` steps (0: never), but at the first and last state. */
+bool results_checkpoint_due(const struct config *c, int64_t every, int64_t step);
+
 /* The directory, for messages. */
 const char *results_directory(const struct results *r);
 
@@ -63,7 +87,10 @@ bool results_profile_due(const struct config *c, size_t which, int64_t step);
 /* Whether any of these is due, so that the step has to measure. */
 bool results_measure_due(const struct config *c, int64_t step);
 
-/* Appends the row of one step. The column `total` = kinetic + potential + elastic + thermal + chemical + phase - work is what
+/* This and the following two: a step that is there already is not written again. A run that went back to an earlier
+ * state repeats such steps, with the same numbers.
+ *
+ * Appends the row of one step. The column `total` = kinetic + potential + elastic + thermal + chemical + phase - work is what
  * an exact integration keeps constant; it is summed exactly before it is rounded. */
 enum dm2_status results_history(struct results *r, int64_t step, const struct measures *m,
                                 struct dm2_error *err);
@@ -90,7 +117,8 @@ enum dm2_status results_text(struct results *r, const char *name, const char *te
 /* Gives history.csv its name and frees r, also where that fails (then as results_abort). */
 enum dm2_status results_close(struct results *r, struct dm2_error *err);
 
-/* Removes what is not complete, and the directory where results_open made it and it is empty; frees r (NULL
+/* Removes what is not complete but for tables that a checkpoint needs, and
+ * the directory where results_open made it and it is empty; frees r (NULL
  * is fine). Never fails: there is nobody left to tell. */
 void results_abort(struct results *r);
 
