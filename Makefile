@@ -62,7 +62,7 @@ FUZZED   := $(FUZZ_SRC:tests/fuzz/%.c=$(BUILD)/fuzz/replay_%)
 
 all: $(PROGRAMS)
 
-tests: $(TESTS) $(TOOLS) $(FUZZED)
+tests: $(TESTS) $(TOOLS) $(FUZZED) $(BUILD)/failing/dm2-seq
 
 test: all tests
 	$(Q)CC='$(CC)' DM2_BIN=$(abspath $(BIN)) DM2_BUILD=$(abspath $(BUILD)) FLAVOUR=$(FLAVOUR) \
@@ -103,6 +103,12 @@ $(BUILD)/tools/%: $(BUILD)/tests/tools/%.o $(BUILD)/libdm2.a
 $(BUILD)/fuzz/replay_%: $(BUILD)/tests/fuzz/%.o $(BUILD)/tests/fuzz/replay.o $(BUILD)/libdm2.a
 	$(Q)mkdir -p $(@D)
 	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+
+# Programs whose system calls fail when they are told to (tests/failing/failing.c).
+WRAPPED := malloc calloc realloc posix_memalign open write fsync rename
+$(BUILD)/failing/%: $(BUILD)/src/app/%.o $(BUILD)/tests/failing/failing.o $(BUILD)/libdm2.a
+	$(Q)mkdir -p $(@D)
+	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) $(WRAPPED:%=-Wl,--wrap=%) -o $@ $^ $(LDLIBS)
 
 # The targets as libFuzzer programs, where clang has it: build/libfuzzer/fuzz_NAME [option...] DIRECTORY
 fuzz:

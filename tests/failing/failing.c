@@ -1,0 +1,105 @@
+/* Linked into a program in front of the system's calls (-Wl,--wrap): the Nth call that could fail does fail, once.
+ * DM2_FAIL=CLASS:N, with CLASS memory, open, write, fsync or rename. The file DM2_FAIL_MARK is then there. */
+#include <errno.h>
+#include <fcntl.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/types.h>
+#include <unistd.h>
+
+void *__real_malloc(size_t n);
+void *__real_calloc(size_t n, size_t size);
+void *__real_realloc(void *p, size_t n);
+int __real_posix_memalign(void **p, size_t alignment, size_t n);
+int __real_open(const char *path, int flags, ...);
+ssize_t __real_write(int fd, const void *data, size_t n);
+int __real_fsync(int fd);
+int __real_rename(const char *from, const char *to);
+
+void *__wrap_malloc(size_t n);
+void *__wrap_calloc(size_t n, size_t size);
+void *__wrap_realloc(void *p, size_t n);
+int __wrap_posix_memalign(void **p, size_t alignment, size_t n);
+int __wrap_open(const char *path, int flags, ...);
+ssize_t __wrap_write(int fd, const void *data, size_t n);
+int __wrap_fsync(int fd);
+int __wrap_rename(const char *from, const char *to);
+
+static long calls;
+
+static int fails(const char *class)
+{
+    const char *plan = getenv("DM2_FAIL");
+    size_t n = strlen(class);
+    if (plan == NULL || strncmp(plan, class, n) != 0 || plan[n] != ':')
+        return 0;
+    long want = strtol(plan + n + 1, NULL, 10);
+    if (++calls != want)
+        return 0;
+    const char *mark = getenv("DM2_FAIL_MARK");
+    int fd = mark == NULL ? -1 : __real_open(mark, O_WRONLY | O_CREAT, 0600);
+    if (fd >= 0)
+        (void)close(fd);
+    return 1;
+}
+
+void *__wrap_malloc(size_t n)
+{
+    return fails("memory") ? NULL : __real_malloc(n);
+}
+
+void *__wrap_calloc(size_t n, size_t size)
+{
+    return fails("memory") ? NULL : __real_calloc(n, size);
+}
+
+void *__wrap_realloc(void *p, size_t n)
+{
+    return fails("memory") ? NULL : __real_realloc(p, n);
+}
+
+int __wrap_posix_memalign(void **p, size_t alignment, size_t n)
+{
+    return fails("memory") ? ENOMEM : __real_posix_memalign(p, alignment, n);
+}
+
+int __wrap_open(const char *path, int flags, ...)
+{
+    va_list args;
+    va_start(args, flags);
+    int mode = (flags & O_CREAT) != 0 ? va_arg(args, int) : 0;
+    va_end(args);
+    if (fails("open")) {
+        errno = EMFILE;
+        return -1;
+    }
+    return __real_open(path, flags, mode);
+}
+
+ssize_t __wrap_write(int fd, const void *data, size_t n)
+{
+    if (fails("write")) {
+        errno = ENOSPC;
+        return -1;
+    }
+    return __real_write(fd, data, n);
+}
+
+int __wrap_fsync(int fd)
+{
+    if (fails("fsync")) {
+        errno = EIO;
+        return -1;
+    }
+    return __real_fsync(fd);
+}
+
+int __wrap_rename(const char *from, const char *to)
+{
+    if (fails("rename")) {
+        errno = EACCES;
+        return -1;
+    }
+    return __real_rename(from, to);
+}
