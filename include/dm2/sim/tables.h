@@ -67,7 +67,6 @@ struct model {
     bool wide_near;        /* the commonest laws allow near pairs to be taken four at a time */
     double far_cutoff;     /* largest cutoff of scope all, cm; 0 without */
     double radius_max;     /* largest radius of an element, cm */
-    double link_form_max;
     double dt_stable;
     const char *dt_mode;
     size_t n_elements;
