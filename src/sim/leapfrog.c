@@ -63,7 +63,7 @@ void leapfrog_whole_velocity(const struct model *m, const struct particles *p, s
     struct kick k = kick_of(m, p, i, leapfrog_kick_time(m, step), m->has_near);
     for (size_t a = 0; a < 2; a++)
         v[a] = p->v[2 * i + a] + share * k.dv[a];
-    *w = p->w != NULL ? p->w[i] + share * k.dw : 0.0;
+    *w = p->w[i] + share * k.dw;
 }
 
 /* The volume of slot i among its neighbours. Six of them around it are the sides of a strained hexagonal cell: with
@@ -112,13 +112,13 @@ static bool measure_element(const struct model *m, const struct particles *p, si
     const struct measure_scales *s = &m->scales;
     double share = step == 0 ? 0.0 : 0.5, mass = p->mass[i], stress[3];
     double v[2] = {p->v[2 * i] + share * k->dv[0], p->v[2 * i + 1] + share * k->dv[1]};
-    double w = p->w != NULL ? p->w[i] + share * k->dw : 0.0, spin = 0.5 * mass * (p->radius[i] * p->radius[i]) * w;
+    double w = p->w[i] + share * k->dw, spin = 0.5 * mass * (p->radius[i] * p->radius[i]) * w;
     double x = p->r[2 * i], y = p->r[2 * i + 1], work = p->work != NULL ? p->work[i] : 0.0;
-    double heat = p->heat != NULL ? p->heat[i] : 0.0, temperature = particles_temperature(p, m, i);
+    double temperature = particles_temperature(p, m, i);
     if (p->flags[i] & ELEMENT_FIXED_MOTION)
         work += share * leapfrog_kick_time(m, step) * drive_power(p, i, k);
     bool fits = exact_add(&out->kinetic, 0.5 * mass * (v[0] * v[0] + v[1] * v[1]) + 0.5 * spin * w, s->energy);
-    fits &= exact_add(&out->thermal, heat + k->heat_now + share * k->heat_damped, s->energy);
+    fits &= exact_add(&out->thermal, p->heat[i] + k->heat_now + share * k->heat_damped, s->energy);
     if (m->has_kinds) {
         const struct kind *kind = &m->kinds[p->kind[i]];
         double left = p->share != NULL ? p->share[2 * i] + p->share[2 * i + 1] : 0.0;

@@ -34,8 +34,8 @@ struct column {
 static const struct column columns[] = {
     COLUMN(r, 2, ALWAYS), COLUMN(v, 2, ALWAYS), COLUMN(radius, 1, ALWAYS), COLUMN(mass, 1, ALWAYS),
     COLUMN(id, 1, ALWAYS), COLUMN(grain, 1, ALWAYS), COLUMN(kind, 1, ALWAYS), COLUMN(body, 1, ALWAYS),
-    COLUMN(flags, 1, ALWAYS), COLUMN(probes, 1, ALWAYS), COLUMN(w, 1, NEAR), COLUMN(bonds, 1, NEAR),
-    COLUMN(heat, 1, HEAT), COLUMN(temperature, 1, HEAT), COLUMN(soft, 1, HEAT), COLUMN(work, 1, WORK),
+    COLUMN(flags, 1, ALWAYS), COLUMN(probes, 1, ALWAYS), COLUMN(w, 1, ALWAYS), COLUMN(bonds, 1, NEAR),
+    COLUMN(heat, 1, ALWAYS), COLUMN(temperature, 1, HEAT), COLUMN(soft, 1, HEAT), COLUMN(work, 1, WORK),
     COLUMN(p, 1, PRESSURE), COLUMN(moved, 1, KINDS), COLUMN(was, 1, KINDS), COLUMN(share, 2, REACTION),
     COLUMN(strain, 3, STRAIN),
     /* what only one force evaluation needs */
@@ -119,13 +119,10 @@ void particles_get(const struct particles *p, size_t i, struct element *out)
 {
     *out = (struct element){.id = p->id[i], .grain = p->grain[i], .body = p->body[i], .kind = p->kind[i],
                             .flags = p->flags[i], .probes = p->probes[i], .radius = p->radius[i], .mass = p->mass[i],
-                            .r = {p->r[2 * i], p->r[2 * i + 1]}, .v = {p->v[2 * i], p->v[2 * i + 1]}};
-    if (p->groups & NEAR) {
-        out->w = p->w[i];
+                            .r = {p->r[2 * i], p->r[2 * i + 1]}, .v = {p->v[2 * i], p->v[2 * i + 1]}, .w = p->w[i],
+                            .heat = p->heat[i]};
+    if (p->groups & NEAR)
         out->bonds = p->bonds[i];
-    }
-    if (p->groups & HEAT)
-        out->heat = p->heat[i];
     if (p->groups & WORK)
         out->work = p->work[i];
     if (p->groups & PRESSURE)
@@ -146,6 +143,8 @@ void particles_put(struct particles *p, const struct model *m, size_t i, const s
         p->r[2 * i + (size_t)a] = in->r[a];
         p->v[2 * i + (size_t)a] = in->v[a];
     }
+    p->w[i] = in->w;
+    p->heat[i] = in->heat;
     p->radius[i] = in->radius;
     p->mass[i] = in->mass;
     p->id[i] = in->id;
@@ -154,12 +153,8 @@ void particles_put(struct particles *p, const struct model *m, size_t i, const s
     p->body[i] = in->body;
     p->flags[i] = in->flags;
     p->probes[i] = in->probes;
-    if (p->groups & NEAR) {
-        p->w[i] = in->w;
+    if (p->groups & NEAR)
         p->bonds[i] = in->bonds;
-    }
-    if (p->groups & HEAT)
-        p->heat[i] = in->heat;
     if (p->groups & WORK)
         p->work[i] = in->work;
     if (p->groups & PRESSURE)
@@ -234,7 +229,7 @@ double particles_heat_capacity(const struct particles *p, const struct model *m,
 void particles_warm(struct particles *p, const struct model *m, size_t i)
 {
     const struct kind *kind = &m->kinds[p->kind[i]];
-    if (p->heat == NULL)
+    if (p->temperature == NULL)
         return;
     double cp = particles_heat_capacity(p, m, i);
     p->temperature[i] = isfinite(cp) ? kind->t0 + p->heat[i] / (p->mass[i] * cp) : kind->t0;

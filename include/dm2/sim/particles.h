@@ -38,11 +38,11 @@ struct particles {
     size_t cap;
     double *r;    /* [n][2] position, cm */
     double *v;    /* [n][2] velocity at the half step, cm/us */
-    double *w;    /* [n] angular velocity there, 1/us; near pairs */
+    double *w;    /* [n] angular velocity there, 1/us */
     double *radius, *mass;
-    double *temperature; /* [n] K, follows from heat */
-    double *soft;        /* [n] softening factor, follows from temperature */
-    double *heat;        /* [n] g cm2/us2; these three: near pairs, or a material with a heat capacity */
+    double *heat;        /* [n] g cm2/us2 */
+    double *temperature; /* [n] K, follows from heat; near pairs, or a material with a heat capacity */
+    double *soft;        /* [n] softening factor, follows from temperature; likewise */
     double *p;           /* [n] pressure of the last evaluation, Mbar; damping or phases that depend on it */
     double *work;        /* [n] g cm2/us2; a body force or prescribed motion */
     double *share;       /* [n][2] mass fractions of the reactants; a reaction */
