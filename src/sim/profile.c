@@ -34,7 +34,7 @@ static bool add_element(const struct model *m, const struct particles *p, size_t
     bin->elements++;
     bool fits = exact_add(&bin->mass, p->mass[i], s->mass);
     fits &= exact_add(&bin->volume, volume, s->volume);
-    fits &= exact_add(&bin->temperature, p->temperature[i], s->temperature);
+    fits &= exact_add(&bin->temperature, particles_temperature(p, m, i), s->temperature);
     for (int a = 0; a < 2; a++)
         fits &= exact_add(&bin->momentum[a], p->mass[i] * v[a], s->momentum);
     for (int a = 0; a < 3; a++)
