@@ -24,9 +24,9 @@ struct half_list {
 
 /* Memory of a pair that survives a rebuild, in the row of its lower new slot. */
 struct carried_pair {
+    double stretch, spring;
     uint32_t b; /* higher new slot */
     bool linked;
-    double stretch, spring;
 };
 
 struct lists {
