@@ -244,21 +244,22 @@ static void pad_row(struct builder *b)
 }
 
 /* Gives the memory that row i carries over to its entries; a linked pair out of reach of contact gets its own. */
-static int remember(struct builder *b, uint32_t i, const struct carried_pair *pairs, size_t n)
+static int remember(struct builder *b, uint32_t i)
 {
     struct lists *l = b->lists;
-    for (size_t k = 0; k < n; k++) {
+    for (uint32_t k = l->rows[i]; k < l->rows[i + 1]; k++) {
         size_t at = l->near.start[i];
-        while (at < b->near_count && l->near.j[at] != pairs[k].b)
+        uint32_t partner = l->carried_b[k] & ~CARRIED_LINKED;
+        while (at < b->near_count && l->near.j[at] != partner)
             at++;
         if (at == b->near_count) {
             if (near_reserve(l, b->near_count, 1, NEAR_GUESS * b->p->n_own) != 0)
                 return -1;
-            add_near(b, pairs[k].b, false, 0.0, 0.0);
+            add_near(b, partner, false, 0.0, 0.0);
         }
-        l->linked[at] = pairs[k].linked;
-        l->stretch[at] = pairs[k].stretch;
-        l->spring[at] = pairs[k].spring;
+        l->linked[at] = (l->carried_b[k] & CARRIED_LINKED) != 0;
+        l->stretch[at] = l->carried[2 * (size_t)k];
+        l->spring[at] = l->carried[2 * (size_t)k + 1];
     }
     return 0;
 }
@@ -274,14 +275,19 @@ int lists_carry_start(struct lists *l, size_t n_own)
 }
 
 /* Counts become starts: rows[a + 1] is the cursor of row a and ends where the next row begins. */
-int lists_carry_reserve(struct lists *l, size_t n_own)
+int lists_carry_reserve(struct lists *l, size_t n_own, void *room, size_t bytes)
 {
-    void *carried = l->carried;
     for (size_t i = 0; i < n_own; i++)
         l->rows[i + 2] += l->rows[i + 1];
-    int status = mem_grow(&carried, &l->carried_cap, 0, (size_t)l->rows[n_own + 1] + 1, sizeof *l->carried);
-    l->carried = carried;
-    return status;
+    size_t pairs = l->rows[n_own + 1], need = pairs * (2 * sizeof *l->carried + sizeof *l->carried_b);
+    if (need > bytes) {
+        if (mem_grow(&l->carried_own, &l->carried_own_cap, 0, need, 1) != 0)
+            return -1;
+        room = l->carried_own;
+    }
+    l->carried = room;
+    l->carried_b = pairs > 0 ? (uint32_t *)(void *)(l->carried + 2 * pairs) : NULL;
+    return 0;
 }
 
 static struct builder begin(struct lists *lists, const struct model *m, const struct particles *p, bool initial)
@@ -317,7 +323,7 @@ enum dm2_status lists_build(struct lists *lists, const struct model *m, const st
             if ((all_pairs ? row_from_all(&b, i)
                  : binned  ? row_from_bins(&b, i)
                            : row_from_cells(&b, cells, own, i)) != 0 ||
-                remember(&b, i, lists->carried + lists->rows[i], lists->rows[i + 1] - lists->rows[i]) != 0)
+                remember(&b, i) != 0)
                 goto done;
             if (m->wide_far)
                 pad_row(&b);
@@ -353,7 +359,7 @@ void lists_free(struct lists *l)
     free(l->stretch);
     free(l->spring);
     bins_free(&l->bins);
-    free(l->carried);
+    free(l->carried_own);
     free(l->rows);
     *l = (struct lists){0};
 }
@@ -362,5 +368,5 @@ size_t lists_bytes(const struct lists *l)
 {
     return (l->far.row_cap + l->far.cap + l->near.row_cap + l->near.cap) * sizeof(uint32_t) +
            l->memory_cap * (1 + 2 * sizeof(double)) + bins_bytes(&l->bins) +
-           l->carried_cap * sizeof *l->carried + l->rows_cap * sizeof *l->rows;
+           l->carried_own_cap + l->rows_cap * sizeof *l->rows;
 }

@@ -344,7 +344,7 @@ static int carry_all(struct subdomain *sd, const struct parcel *parcels, size_t 
     int status = lists_carry_start(&sd->lists, sd->p.n_own);
     for (int place = 0; place < 2 && status == 0; place++) {
         if (place)
-            status = lists_carry_reserve(&sd->lists, sd->p.n_own);
+            status = lists_carry_reserve(&sd->lists, sd->p.n_own, sd->p.pair_sum, particles_sum_bytes(&sd->p));
         if (status == 0 && !initial)
             carry_memory(sd, place, n_old, moved, old_id);
         if (status == 0)
