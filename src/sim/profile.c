@@ -1,5 +1,5 @@
-/* Sums over bins. Velocities are those of the whole step, as in the history; stress is that of leapfrog_stress,
- * weighted by the same volume that it was divided by, so that a bin's stress is its virial over its volume. */
+/* Sums over bins (docs/physics.md, section 12). Velocities are those of the whole step, as in the history; stress is
+ * the mean of leapfrog_stress, each element weighted by the volume of its cell at rest. */
 #include "dm2/sim/profile.h"
 
 #include <math.h>
