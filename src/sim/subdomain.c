@@ -463,6 +463,7 @@ static enum dm2_status begin(const struct model *model, const struct domain_map 
     sd->map = *map;
     sd->rank = rank;
     sd->step = step;
+    particles_start(&sd->p, model);
     sd->peers = mem_zalloc((size_t)map->ranks, sizeof *sd->peers);
     if (sd->peers == NULL)
         return no_memory(sd, err);
@@ -891,9 +892,9 @@ enum dm2_status subdomain_collect(const struct subdomain *sd, struct element *el
         struct element_measure *out = &measured[k];
         leapfrog_stress(sd->model, p, i, out->stress);
         leapfrog_whole_velocity(sd->model, p, i, sd->step, out->velocity, &w);
-        out->temperature = p->temperature[i];
-        out->links = p->links[i];
-        out->contacts = p->contacts[i];
+        out->temperature = particles_temperature(p, sd->model, i);
+        out->links = particles_links(p, i);
+        out->contacts = particles_contacts(p, i);
     }
     free(order);
     return DM2_OK;
