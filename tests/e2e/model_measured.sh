@@ -64,6 +64,7 @@ expect_text out 'written to here.csv'
 [ -s runs/n400-seq-2/run.log ] && [ ! -e runs/n400-seq-2/final.dm2 ] || fail "the runs are not as they should be"
 expect_status 0 "$model" predict --preset ./here.csv --n 1000 --servers 2 --csv
 expect_text here.csv 'networks,,2,'
+expect_text here.csv 'sizes,,2,'
 
 # compare: the sweep, and the same runs read back, which give the same numbers.
 expect_status 2 "$model" compare --n 400 --deck timing.dm2
