@@ -88,6 +88,14 @@ static enum dm2_status no_memory(const struct subdomain *sd, struct dm2_error *e
     return dm2_fail(err, DM2_MEMORY, "no memory for a subdomain of %zu elements", sd->p.n);
 }
 
+static int reserve_elements(struct element_array *a, size_t n)
+{
+    void *block = a->item;
+    int status = mem_grow(&block, &a->cap, a->n, n, sizeof *a->item);
+    a->item = block;
+    return status;
+}
+
 static int add_element(struct element_array *a, const struct element *e)
 {
     void *block = a->item;
@@ -336,7 +344,7 @@ static int carry_all(struct subdomain *sd, const struct parcel *parcels, size_t 
     int status = lists_carry_start(&sd->lists, sd->p.n_own);
     for (int place = 0; place < 2 && status == 0; place++) {
         if (place)
-            status = lists_carry_reserve(&sd->lists, sd->p.n_own);
+            status = lists_carry_reserve(&sd->lists, sd->p.n_own, sd->p.pair_sum, particles_sum_bytes(&sd->p));
         if (status == 0 && !initial)
             carry_memory(sd, place, n_old, moved, old_id);
         if (status == 0)
@@ -390,8 +398,8 @@ static enum dm2_status gather(struct subdomain *sd, const struct parcel *parcels
     return DM2_OK;
 }
 
-/* The whole of a rebuild's second half; at the start, with nothing old, the whole set-up. */
-static enum dm2_status settle(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels, bool initial,
+/* Puts everybody into slots in cell order and hands the memory of pairs over to the lists to be built. */
+static enum dm2_status arrange(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels, bool initial,
                               struct dm2_error *err)
 {
     size_t n_old = sd->p.n_own, n_all_old = sd->p.n, stayers = 0;
@@ -440,7 +448,7 @@ static enum dm2_status settle(struct subdomain *sd, const struct parcel *parcels
     if (carry_all(sd, parcels, n_parcels, n_old, moved, old_id, initial) != 0 || build_send_lists(sd) != 0)
         goto done;
     sd->p.r[2 * n] = sd->p.r[2 * n + 1] = PARTICLES_FAR;
-    status = lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, initial, err);
+    status = DM2_OK;
 done:
     free(in.newcomers);
     free(in.mirrors);
@@ -448,6 +456,13 @@ done:
     if (status == DM2_MEMORY)
         return no_memory(sd, err);
     return status;
+}
+
+/* The whole of a rebuild's second half. */
+static enum dm2_status settle(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels, struct dm2_error *err)
+{
+    enum dm2_status status = arrange(sd, parcels, n_parcels, false, err);
+    return status == DM2_OK ? lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, false, err) : status;
 }
 
 /* --- creation -------------------------------------------------------------------------------------------------- */
@@ -463,6 +478,7 @@ static enum dm2_status begin(const struct model *model, const struct domain_map 
     sd->map = *map;
     sd->rank = rank;
     sd->step = step;
+    particles_start(&sd->p, model);
     sd->peers = mem_zalloc((size_t)map->ranks, sizeof *sd->peers);
     if (sd->peers == NULL)
         return no_memory(sd, err);
@@ -486,12 +502,19 @@ static enum dm2_status choose(void *context, const struct element *e, struct dm2
     return DM2_OK;
 }
 
-static enum dm2_status settle_chosen(struct subdomain *sd, const struct chooser *chosen, const struct pair_record *pairs,
+/* The whole set-up, with nothing old. The records are freed as soon as the elements are in their slots: lists need the
+ * room. */
+static enum dm2_status settle_chosen(struct subdomain *sd, struct chooser *chosen, const struct pair_record *pairs,
                                      size_t n_pairs, bool initial, struct dm2_error *err)
 {
     struct parcel parcel = {.migrants = chosen->own.item, .n_migrants = chosen->own.n, .mirrors = chosen->mirrors.item,
                             .n_mirrors = chosen->mirrors.n, .pairs = (struct pair_record *)pairs, .n_pairs = n_pairs};
-    return settle(sd, &parcel, 1, initial, err);
+    enum dm2_status status = arrange(sd, &parcel, 1, initial, err);
+    free(chosen->own.item);
+    free(chosen->mirrors.item);
+    chosen->own.item = chosen->mirrors.item = NULL;
+    idmap_free(&sd->ids); /* large enough for everybody, who will not all be newcomers again */
+    return status == DM2_OK ? lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, initial, err) : status;
 }
 
 /* How many links each owned element starts with. */
@@ -512,6 +535,8 @@ enum dm2_status subdomain_create(const struct model *model, const struct domain_
     double started = clock_now();
     enum dm2_status status = begin(model, map, rank, 0, out, err);
     struct chooser chosen = {.sd = *out};
+    if (status == DM2_OK && map->ranks == 1 && reserve_elements(&chosen.own, model_elements(model)) != 0)
+        status = no_memory(*out, err);
     if (status == DM2_OK)
         status = generate_elements(model, choose, &chosen, err);
     if (status == DM2_OK)
@@ -535,6 +560,8 @@ enum dm2_status subdomain_restore(const struct model *model, const struct domain
 {
     enum dm2_status status = begin(model, map, rank, step, out, err);
     struct chooser chosen = {.sd = *out};
+    if (status == DM2_OK && map->ranks == 1 && reserve_elements(&chosen.own, n_elements) != 0)
+        status = no_memory(*out, err);
     for (size_t k = 0; k < n_elements && status == DM2_OK; k++)
         status = choose(&chosen, &elements[k], err);
     /* The pairs' elements are all newcomers or mirrors, so every id is in the map. */
@@ -861,7 +888,7 @@ enum dm2_status subdomain_take_in(struct subdomain *sd, const struct parcel *par
                                   struct dm2_error *err)
 {
     double started = clock_now();
-    enum dm2_status status = settle(sd, parcels, n_parcels, false, err);
+    enum dm2_status status = settle(sd, parcels, n_parcels, err);
     sd->times.rebuild += clock_now() - started;
     sd->times.rebuilds++;
     return status;
@@ -891,9 +918,9 @@ enum dm2_status subdomain_collect(const struct subdomain *sd, struct element *el
         struct element_measure *out = &measured[k];
         leapfrog_stress(sd->model, p, i, out->stress);
         leapfrog_whole_velocity(sd->model, p, i, sd->step, out->velocity, &w);
-        out->temperature = p->temperature[i];
-        out->links = p->links[i];
-        out->contacts = p->contacts[i];
+        out->temperature = particles_temperature(p, sd->model, i);
+        out->links = particles_links(p, i);
+        out->contacts = particles_contacts(p, i);
     }
     free(order);
     return DM2_OK;
