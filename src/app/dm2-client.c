@@ -249,7 +249,7 @@ static enum dm2_status predict_run(const struct client_command *c, const struct 
     struct network_line line;
     enum dm2_status status = DM2_OK;
     if (c->calibration_path[0] != '\0') {
-        prediction_calibrated(&c->calibration, c->calibration_path, report, processors, &basis);
+        prediction_calibrated(&c->calibration, c->calibration_path, report, local ? cores : 0, &basis);
     } else {
         status = network_fit(probe, report->ranks, &line, err);
         if (status == DM2_OK)
