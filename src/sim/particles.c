@@ -115,6 +115,11 @@ size_t particles_bytes(const struct particles *p)
     return bytes;
 }
 
+size_t particles_sum_bytes(const struct particles *p)
+{
+    return p->pair_sum != NULL ? p->cap * SUM_COUNT * sizeof *p->pair_sum : 0;
+}
+
 void particles_get(const struct particles *p, size_t i, struct element *out)
 {
     *out = (struct element){.id = p->id[i], .grain = p->grain[i], .body = p->body[i], .kind = p->kind[i],

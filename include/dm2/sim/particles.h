@@ -70,6 +70,9 @@ int particles_reserve(struct particles *p, size_t n);
 void particles_free(struct particles *p);
 size_t particles_bytes(const struct particles *p);
 
+/* Bytes of pair_sum, which a rebuild may use as it likes once the state has been rearranged. */
+size_t particles_sum_bytes(const struct particles *p);
+
 /* Element i as a record, and a record into slot i. The second sets temperature and softening from the heat. */
 void particles_get(const struct particles *p, size_t i, struct element *out);
 void particles_put(struct particles *p, const struct model *m, size_t i, const struct element *in);
