@@ -201,9 +201,11 @@ enum dm2_status force_evaluate(const struct model *m, struct particles *p, struc
     if (m->has_near)
         memset(p->pair_sum, 0, p->n * SUM_COUNT * sizeof *p->pair_sum);
     if (m->has_far)
-        far_evaluate(&pass, &lists->far);
+        far_evaluate(&pass, lists);
     if (m->has_near)
         near_evaluate(&pass, lists);
+    if (pass.no_memory)
+        return dm2_fail(err, DM2_MEMORY, "no memory for the inner list of %zu elements", p->n_own);
     if (pass.bad)
         return dm2_fail(err, DM2_NUMERIC,
                         "step %lld: the force between elements %u and %u, near (%g, %g) cm, is out of range: they are too "

@@ -49,6 +49,7 @@ static enum dm2_status calibrate_centre(const struct material_config *a, const s
         double cube_root2 = 0x1.428a2f98d728bp0; /* 2^(1/3) */
         law->eps12 = 12.0 * in->epsilon;
         law->rm2 = cube_root2 * (in->sigma * in->sigma);
+        law->strength = law->eps12 / law->rm2;
         law->k = 72.0 * in->epsilon / law->rm2;
     } else if (!isnan(in->k)) {
         law->k = in->k;
@@ -229,6 +230,7 @@ static void choose_scales(struct model *m)
     m->fixed.over_torque = 1.0 / m->fixed.torque;
     m->fixed.over_heat = 1.0 / m->fixed.heat;
     double extent = c->size[0] + c->size[1] + fabs(c->origin[0]) + fabs(c->origin[1]);
+    m->far_place = 0x1p30 * (extent + m->far_cutoff);
     double speed = extent / c->dt; /* nothing moves faster than a cell per step */
     int e;
     (void)frexp(force * r0, &e);

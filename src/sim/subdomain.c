@@ -439,7 +439,7 @@ static enum dm2_status settle(struct subdomain *sd, const struct parcel *parcels
     status = DM2_MEMORY;
     if (carry_all(sd, parcels, n_parcels, n_old, moved, old_id, initial) != 0 || build_send_lists(sd) != 0)
         goto done;
-    sd->p.r[2 * n] = sd->p.r[2 * n + 1] = PARTICLES_FAR;
+    sd->p.r[2 * n] = sd->p.r[2 * n + 1] = sd->model->far_place;
     status = lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, initial, err);
 done:
     free(in.newcomers);

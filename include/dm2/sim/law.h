@@ -42,6 +42,7 @@ struct pair_law {
     double k;          /* stiffness at r0, Mbar cm */
     double shape;      /* Morse: alpha r0 */
     double eps12;      /* Lennard-Jones of plain eps, sigma: 12 eps; else 0 */
+    double strength;   /* there: eps12/rm2, Mbar cm */
     double rm2;        /* there: square of the distance of zero force, 2^(1/3) sigma^2, cm2 */
     double cutoff2;    /* scope all: square of the cutoff, cm2; 0 otherwise */
     double u_cut;      /* scope all, plain Lennard-Jones: potential at the cutoff, taken off so that it ends at 0 */

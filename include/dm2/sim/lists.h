@@ -13,6 +13,7 @@
 #include "dm2/base/status.h"
 #include "dm2/sim/bins.h"
 #include "dm2/sim/cells.h"
+#include "dm2/sim/inner.h"
 #include "dm2/sim/particles.h"
 
 /* One half list: row i is entries start[i] .. start[i+1]-1. */
@@ -31,6 +32,7 @@ struct carried_pair {
 
 struct lists {
     struct half_list far, near;
+    struct inner_list inner; /* of the far list */
     /* memory of the near pairs, per entry */
     uint8_t *linked;
     double *stretch, *spring;

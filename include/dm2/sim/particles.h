@@ -52,9 +52,6 @@ struct particles {
     uint16_t *links, *contacts; /* [n] of the last measuring step */
 };
 
-/* Where slot n, which belongs to nobody, lies while lists are padded with it, cm; its square is finite. */
-#define PARTICLES_FAR 1e150
-
 /* Room for n elements and the slot after them, keeping the owned and mirrored ones. 0, or -1 without memory (then as before). */
 int particles_reserve(struct particles *p, size_t n);
 void particles_free(struct particles *p);

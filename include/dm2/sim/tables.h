@@ -66,6 +66,8 @@ struct model {
     bool wide_far;         /* and that law is a plain Lennard-Jones potential: rows of the far list are padded to fours */
     bool wide_near;        /* the commonest laws allow near pairs to be taken four at a time */
     double far_cutoff;     /* largest cutoff of scope all, cm; 0 without */
+    double far_place;      /* x and y of the slot that fills lists up: beyond all reach, and near enough that forces there
+                              are no denormal numbers, which are slow, cm */
     double radius_max;     /* largest radius of an element, cm */
     double dt_stable;
     const char *dt_mode;
