@@ -161,7 +161,7 @@ DM2_WIDE static void near_central(struct pass *pass, struct lists *l)
 /* What near_wide leaves to the plain path. */
 static void near_single(struct pass *pass, struct lists *l, uint32_t i, uint32_t k)
 {
-    near_pair(pass, l, i, k, pass->p->pair_sum + SUM_COUNT * (size_t)i, false, true, false);
+    near_pair(pass, l, i, k, pass->p->pair_sum + SUM_COUNT * (size_t)i, false, true, true);
 }
 
 static void near_evaluate(struct pass *pass, struct lists *l)
@@ -169,10 +169,10 @@ static void near_evaluate(struct pass *pass, struct lists *l)
     const struct model *m = pass->m;
     if (pass->totals != NULL)
         near_measured(pass, l);
-    else if (m->grid.periodic[0] || m->grid.periodic[1])
-        near_periodic(pass, l);
     else if (m->wide_near)
         near_wide(pass, l, near_single);
+    else if (m->grid.periodic[0] || m->grid.periodic[1])
+        near_periodic(pass, l);
     else if (m->has_spin)
         near_spinning(pass, l);
     else
@@ -205,7 +205,7 @@ enum dm2_status force_evaluate(const struct model *m, struct particles *p, struc
     if (m->has_near)
         near_evaluate(&pass, lists);
     if (pass.no_memory)
-        return dm2_fail(err, DM2_MEMORY, "no memory for the inner list of %zu elements", p->n_own);
+        return dm2_fail(err, DM2_MEMORY, "no memory to sort the pairs of %zu elements", p->n_own);
     if (pass.bad)
         return dm2_fail(err, DM2_NUMERIC,
                         "step %lld: the force between elements %u and %u, near (%g, %g) cm, is out of range: they are too "

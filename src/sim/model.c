@@ -143,9 +143,10 @@ static void uniform_kinds(struct model *m)
                 struct pair_law *law = &m->laws[(a * m->n_kinds + b) * RELATION_COUNT + rel];
                 law->cn_mass = law->cn * root;
                 law->ct_mass = law->ct * root;
-                law->bond = law_bond(law, radius[ia] * m->kinds[a].size + radius[ib] * m->kinds[b].size);
-                law->wide = law->scope == SCOPE_LINKED && law->potential == POTENTIAL_MORSE && law->a_p == 0.0 &&
-                            law->a_t == 0.0;
+                law->radius_i = radius[ia] * m->kinds[a].size;
+                law->radius_j = radius[ib] * m->kinds[b].size;
+                law->bond = law_bond(law, law->radius_i + law->radius_j);
+                law->wide = law->scope == SCOPE_LINKED && law->potential == POTENTIAL_MORSE;
                 m->wide_near |= law->wide;
             }
         }

@@ -60,8 +60,10 @@ static inline void add_virial(const struct pass *pass, uint32_t i, uint32_t j, d
 /* The potentials of scope `all` over the far pairs, into far_sum. */
 void far_evaluate(struct pass *pass, struct lists *lists);
 
-/* The near pairs four at a time, where model->wide_near; `single` evaluates an entry of i's row by the plain path. */
-void near_wide(struct pass *pass, struct lists *lists,
-               void (*single)(struct pass *pass, struct lists *lists, uint32_t i, uint32_t k));
+/* Evaluates entry k of the near row of i by the plain path. */
+typedef void take_single(struct pass *pass, struct lists *lists, uint32_t i, uint32_t k);
+
+/* The near pairs, links four at a time, where model->wide_near; `single` takes the others. */
+void near_wide(struct pass *pass, struct lists *lists, take_single *single);
 
 #endif
