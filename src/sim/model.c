@@ -358,6 +358,8 @@ static void build_kinds(struct model *m)
         *kind = (struct kind){.material = phase == NULL ? (int)i : phase->material, .state = state, .phase = phase,
                               .size = 1.0, .t0 = state->t0, .tm = or_else(state->tm, INFINITY),
                               .softening = state->softening, .cp = or_else(state->cp, INFINITY)};
+        kind->over_cp = 1.0 / kind->cp;
+        kind->over_range = 1.0 / (kind->tm - kind->t0);
         if (phase == NULL)
             continue;
         kind->from = phase->from < 0 ? (size_t)phase->material : c->n_materials + (size_t)phase->from;

@@ -93,11 +93,13 @@ DM2_INLINE void differences(const double *array, const struct link_quad *q, simd
     *y = SIMD_ODD(even, odd);
 }
 
-/* Stage 1: how the two stand and move. */
+/* Stage 1: how the two stand and move. The sums of j, most of which were last touched a step ago, are fetched meanwhile. */
 DM2_INLINE void geometry(const struct pass *pass, const struct link_quad *q, bool periodic, struct lanes *out)
 {
     const simd_real zero = {0.0};
     simd_real dx, dy, dvx, dvy;
+    for (int c = 0; c < SIMD_LANES; c++)
+        __builtin_prefetch(pass->p->pair_sum + SUM_COUNT * (size_t)q->j[c], 1);
     differences(pass->p->r, q, &dx, &dy);
     if (periodic) {
         const simd_real half_x = zero + pass->half[0], half_y = zero + pass->half[1];
@@ -251,10 +253,6 @@ void near_wide(struct pass *pass, struct lists *lists, take_single *single)
 {
     const struct model *m = pass->m;
     bool periodic = m->grid.periodic[0] || m->grid.periodic[1];
-    if (link_list_prepare(lists, m, pass->p) != 0) {
-        pass->no_memory = true;
-        return;
-    }
     if (m->has_spin && periodic)
         wide_spinning_periodic(pass, lists, single);
     else if (m->has_spin)
@@ -263,6 +261,4 @@ void near_wide(struct pass *pass, struct lists *lists, take_single *single)
         wide_central_periodic(pass, lists, single);
     else
         wide_central(pass, lists, single);
-    for (size_t s = 0; s < lists->links.n_single; s++)
-        single(pass, lists, lists->links.single[s].i, lists->links.single[s].k);
 }

@@ -761,7 +761,7 @@ enum dm2_status subdomain_take_update(struct subdomain *sd, int src, const doubl
         for (size_t a = 0; a < 2 && m->reaction.any; a++)
             p->share[2 * i + a] = in[k++];
         if (m->has_heat || m->has_kinds)
-            particles_warm(p, m, i);
+            particles_warm(p, m, i, 1.0 / p->mass[i]);
     }
     return DM2_OK;
 }

@@ -63,7 +63,7 @@ void far_evaluate(struct pass *pass, struct lists *lists);
 /* Evaluates entry k of the near row of i by the plain path. */
 typedef void take_single(struct pass *pass, struct lists *lists, uint32_t i, uint32_t k);
 
-/* The near pairs, links four at a time, where model->wide_near; `single` takes the others. */
+/* The quads of lists->links, which are sorted; `single` takes the links that need more than most. */
 void near_wide(struct pass *pass, struct lists *lists, take_single *single);
 
 #endif

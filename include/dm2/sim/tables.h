@@ -22,7 +22,8 @@ struct kind {
     double energy;                       /* per mass, above the first phase at t0, cm2/us2 (docs/physics.md, section 9) */
     double hysteresis;                   /* Mbar or K, by phase->transition */
     double t0, tm, softening; /* tm infinite: never softens */
-    double cp;                /* infinite: the temperature stays at t0 */
+    double over_range;        /* 1/(tm - t0), 1/K; 0 where tm is infinite */
+    double cp, over_cp;       /* infinite and 0: the temperature stays at t0 */
 };
 
 /* Fixed-point scales: a double times the scale, rounded, is what the 64-bit sums add. Powers of two. */
