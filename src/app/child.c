@@ -10,6 +10,7 @@
 #include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -57,29 +58,67 @@ static bool wait_for_end(pid_t pid, int alive, int cancel)
     }
 }
 
-enum dm2_status child_run(char *const argv[], int cancel, struct dm2_error *err)
+struct child {
+    pid_t pid; /* -1: not started */
+    int alive; /* ends with it */
+};
+
+static enum dm2_status start(char *const argv[], struct child *out, struct dm2_error *err)
 {
-    int fd[2], code = -1;
+    int fd[2];
+    *out = (struct child){.pid = -1, .alive = -1};
     if (pipe(fd) != 0)
         return dm2_fail(err, DM2_IO, "cannot start %s: %s", argv[0], strerror(errno));
     (void)fcntl(fd[0], F_SETFD, FD_CLOEXEC);
     (void)fflush(NULL);
-    pid_t pid = fork();
-    if (pid == 0)
+    out->pid = fork();
+    if (out->pid == 0)
         become(argv);
     (void)close(fd[1]);
-    bool asked = pid > 0 && wait_for_end(pid, fd[0], cancel);
-    (void)close(fd[0]);
-    if (pid < 0)
-        return dm2_fail(err, DM2_IO, "cannot start %s: %s", argv[0], strerror(errno));
-    while (waitpid(pid, &code, 0) < 0 && errno == EINTR)
+    out->alive = fd[0];
+    return out->pid < 0 ? dm2_fail(err, DM2_IO, "cannot start %s: %s", argv[0], strerror(errno)) : DM2_OK;
+}
+
+static enum dm2_status finish(const struct child *c, const char *path, int cancel, struct dm2_error *err)
+{
+    int code = -1;
+    bool asked = c->pid > 0 && wait_for_end(c->pid, c->alive, cancel);
+    if (c->alive >= 0)
+        (void)close(c->alive);
+    if (c->pid < 0)
+        return DM2_OK; /* start said why */
+    while (waitpid(c->pid, &code, 0) < 0 && errno == EINTR)
         continue;
     if (asked)
         return dm2_fail(err, DM2_INTERRUPTED, "interrupted by a signal");
     if (WIFEXITED(code) && WEXITSTATUS(code) == 0)
         return DM2_OK;
     if (WIFEXITED(code) && WEXITSTATUS(code) == 127)
-        return dm2_fail(err, DM2_IO, "the program '%s' did not start: is it installed beside dm2-model or on PATH?",
-                        argv[0]);
-    return dm2_fail(err, DM2_IO, "%s failed, see above", argv[0]);
+        return dm2_fail(err, DM2_IO, "the program '%s' did not start: is it installed beside dm2-model or on PATH?", path);
+    return dm2_fail(err, DM2_IO, "%s failed, see above", path);
+}
+
+enum dm2_status child_run_all(char *const *const argv[], int copies, int cancel, struct dm2_error *err)
+{
+    struct child *children = mem_zalloc((size_t)copies, sizeof *children);
+    struct dm2_error later;
+    enum dm2_status status = DM2_OK;
+    int started = 0;
+    if (children == NULL)
+        return dm2_fail(err, DM2_MEMORY, "no memory for %d programs", copies);
+    while (started < copies && status == DM2_OK) {
+        status = start(argv[started], &children[started], err);
+        started++;
+    }
+    for (int k = 0; k < started; k++) {
+        enum dm2_status ended = finish(&children[k], argv[k][0], cancel, status == DM2_OK ? err : &later);
+        status = status == DM2_OK ? ended : status;
+    }
+    free(children);
+    return status;
+}
+
+enum dm2_status child_run(char *const argv[], int cancel, struct dm2_error *err)
+{
+    return child_run_all(&argv, 1, cancel, err);
 }

@@ -1,14 +1,16 @@
 /* dm2-model calibrate: k from sequential runs, m_N and b_N from round trips, into the calibration file.
  *
  * k = T c/n^2 (eq. 11) of each run; T is the processor's time per step, which is the time that passes where a machine has
- * nothing else to do, and does not count what other programs take where it has. The cells' edges of the file are those of
- * square cells that give the largest run its number of cells. */
+ * nothing else to do, and does not count what other programs take where it has. k is not one number: more elements fit
+ * worse into caches, and processors of one machine share those and the memory; hence every size, alone and crowded. The
+ * cells' edges of the file are those of square cells that give the largest run its number of cells. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "dm2/app/local_servers.h"
 #include "dm2/app/model_commands.h"
 #include "dm2/app/model_options.h"
 #include "dm2/app/signals.h"
@@ -16,7 +18,7 @@
 #include "dm2/base/version.h"
 #include "dm2/model/calibration.h"
 
-static const double SIZES[] = {1689, 10000, 50000};
+static const double SIZES[] = {1689, 5000, 10000, 25000, 50000, 100000, 200000};
 static const double SPACING_X = 0.04, SPACING_Y = 0.03464; /* of timing.dm2, cm */
 
 enum { RUNS_MOST = SWEEP_SIZES * 100 };
@@ -30,32 +32,82 @@ struct calibrate {
     bool help;
 };
 
-/* Runs dm2-seq at every size; k and its spread, L_x = L_y and g. */
-static enum dm2_status measure_k(const struct calibrate *c, struct calibration *out, struct dm2_error *err)
+/* k of one run, eq. (11). */
+static double k_of(const struct run_report *r)
+{
+    double n = (double)r->elements, cells = (double)r->servers[0].cells;
+    return r->servers[0].times.cpu / (double)r->steps * cells / (n * n);
+}
+
+static void note_run(struct calibration *out, const struct run_report *r, struct perf_size *size)
+{
+    double n = (double)r->elements, cells = (double)r->servers[0].cells;
+    size->n = n;
+    out->perf.l_x = out->perf.l_y = sqrt(n * SPACING_X * SPACING_Y / cells);
+    out->perf.g = (double)r->update_bytes;
+}
+
+/* The runs of one size: one alone, then as many at once as there are processors; alone[] gets the k of the runs alone. */
+static enum dm2_status measure_size(const struct calibrate *c, double wanted, int processors, double *alone,
+                                    struct calibration *out, struct perf_size *size, struct dm2_error *err)
+{
+    static struct run_report copies[SWEEP_COPIES];
+    static double shared[RUNS_MOST];
+    int runs = (int)c->sweep.runs;
+    size_t n_shared = 0;
+    double deviation;
+    enum dm2_status status = DM2_OK;
+    for (int run = 1; run <= runs && status == DM2_OK; run++) {
+        struct run_report r;
+        status = sweep_run(&c->sweep, wanted, 0, run, &r, err);
+        if (status != DM2_OK)
+            return status;
+        note_run(out, &r, size);
+        alone[run - 1] = k_of(&r);
+        free(r.servers);
+        if (processors > 1)
+            status = sweep_run_copies(&c->sweep, wanted, processors, run, copies, err);
+        for (int k = 0; k < processors && processors > 1 && status == DM2_OK; k++) {
+            if (n_shared < RUNS_MOST)
+                shared[n_shared++] = k_of(&copies[k]);
+            free(copies[k].servers);
+        }
+    }
+    if (status != DM2_OK)
+        return status;
+    fit_spread(alone, (size_t)runs, &size->alone, &deviation);
+    size->shared = size->alone;
+    if (n_shared > 0)
+        fit_spread(shared, n_shared, &size->shared, &deviation);
+    (void)printf("%8.0f elements: k = %.4g s alone, %.4g s with %d at once\n", size->n, size->alone, size->shared,
+                 processors);
+    (void)fflush(stdout);
+    return DM2_OK;
+}
+
+static int compare_sizes(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* k at every size, their mean and spread over the runs alone, L_x = L_y of the largest, and g. */
+static enum dm2_status measure_k(struct calibrate *c, struct calibration *out, struct dm2_error *err)
 {
     static double k[RUNS_MOST];
     size_t count = 0;
-    double largest = 0;
+    int cores = local_servers_cores(), processors = cores > SWEEP_COPIES ? SWEEP_COPIES : cores;
     enum dm2_status status = DM2_OK;
-    for (int i = 0; i < c->sweep.sizes && status == DM2_OK; i++)
-        for (int run = 1; run <= c->sweep.runs && status == DM2_OK; run++) {
-            struct run_report r;
-            status = sweep_run(&c->sweep, c->sweep.n[i], 0, run, &r, err);
-            if (status != DM2_OK)
-                break;
-            double n = (double)r.elements, cells = (double)r.servers[0].cells;
-            double t = r.servers[0].times.cpu / (double)r.steps;
-            k[count++] = t * cells / (n * n);
-            (void)printf("%8.0f elements, run %d: %10.4f ms per step, %.4g us per element, k = %.4g s\n", n, run,
-                         1e3 * t, 1e6 * t / n, k[count - 1]);
-            (void)fflush(stdout);
-            if (n > largest) {
-                largest = n;
-                out->perf.l_x = out->perf.l_y = sqrt(n * SPACING_X * SPACING_Y / cells);
-                out->perf.g = (double)r.update_bytes;
-            }
-            free(r.servers);
-        }
+    if (c->servers.named.n > 0)
+        processors = 1; /* each server has its machine */
+    qsort(c->sweep.n, (size_t)c->sweep.sizes, sizeof c->sweep.n[0], compare_sizes);
+    for (int i = 0; i < c->sweep.sizes && status == DM2_OK; i++) {
+        struct perf_size *size = &out->perf.size[out->perf.n_size];
+        status = measure_size(c, c->sweep.n[i], processors, k + count, out, size, err);
+        count += (size_t)c->sweep.runs;
+        /* Two sizes of so few elements that the deck makes them the same are one. */
+        out->perf.n_size += out->perf.n_size == 0 || size->n > size[-1].n;
+    }
     if (status == DM2_OK)
         fit_spread(k, count, &out->perf.k, &out->k_spread);
     return status;

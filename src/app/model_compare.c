@@ -56,7 +56,7 @@ static enum dm2_status add_run(const struct compare *c, struct cases *all, const
                                struct dm2_error *err)
 {
     int servers = strcmp(r->program, "dm2-seq") == 0 ? 0 : r->ranks;
-    int cores = local_servers_cores(), processors = c->servers.named.n == 0 && cores < r->ranks ? cores : r->ranks;
+    int cores = c->servers.named.n == 0 ? local_servers_cores() : 0;
     struct measured_case *one = find_case(all, (double)r->elements, servers);
     struct prediction_basis basis;
     struct explanation e;
@@ -69,7 +69,7 @@ static enum dm2_status add_run(const struct compare *c, struct cases *all, const
         one = &all->items[all->n++];
         *one = (struct measured_case){.n = (double)r->elements, .servers = servers};
     }
-    prediction_calibrated(&c->calibration, c->path, r, processors, &basis);
+    prediction_calibrated(&c->calibration, c->path, r, cores, &basis);
     if (servers == 0)
         basis.m = basis.b = 0; /* nobody to send to */
     if (!prediction_explain(r, &basis, &e))

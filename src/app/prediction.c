@@ -44,11 +44,17 @@ static double cells_of(const struct run_report *r)
     return cells;
 }
 
-void prediction_calibrated(const struct calibration *c, const char *path, const struct run_report *r, int processors,
+void prediction_calibrated(const struct calibration *c, const char *path, const struct run_report *r, int cores,
                            struct prediction_basis *out)
 {
-    *out = (struct prediction_basis){.t_seq = perf_t_seq_cells(&c->perf, (double)r->elements, cells_of(r)),
-                                     .processors = processors};
+    struct perf p = c->perf;
+    double n = (double)r->elements, cells = cells_of(r);
+    int processors = cores > 0 && cores < r->ranks ? cores : r->ranks, busy = cores > 0 ? processors : 1;
+    *out = (struct prediction_basis){.processors = processors};
+    p.k = perf_k_at(&c->perf, n, 1, cores);
+    out->t_seq = perf_t_seq_cells(&p, n, cells);
+    p.k = perf_k_at(&c->perf, n / processors, busy, cores);
+    out->work = perf_t_seq_cells(&p, n, cells);
     bool row = perf_network(&c->perf, r->ranks, &out->m, &out->b);
     (void)snprintf(out->source, sizeof out->source, "calibrated: %.200s%s", path,
                    row ? "" : ", m and b inferred from other numbers of servers");
@@ -65,6 +71,7 @@ void prediction_estimated(const struct network_line *line, const struct run_repo
         if (t->steps > 0 && all > 0)
             out->t_seq += t->cpu * (computing / all) / (double)t->steps;
     }
+    out->work = out->t_seq;
     (void)snprintf(out->source, sizeof out->source,
                    "estimated from this run's own processor time and %d round trips before it", line->turns * line->sizes);
 }
@@ -87,6 +94,7 @@ bool prediction_explain(const struct run_report *r, const struct prediction_basi
     const struct explain_input in = {.servers = r->ranks,
                                      .processors = basis->processors,
                                      .t_seq = basis->t_seq,
+                                     .work = basis->work,
                                      .m = basis->m,
                                      .b = basis->b,
                                      .g = (double)r->update_bytes,

@@ -105,49 +105,97 @@ static int add_servers(const struct server_choice *c, int servers, char *count, 
     return argc;
 }
 
-static enum dm2_status start_run(const struct sweep *s, double n, int servers, char *directory, struct dm2_error *err)
+/* A command line of a run, and the texts that it points to. */
+struct run_line {
+    char directory[SWEEP_PATH], definition[64], steps[32], count[16];
+    char *path, **argv;
+    char (*names)[HOST_MAX + 8];
+};
+
+static void free_line(struct run_line *l)
+{
+    free(l->path);
+    free(l->argv);
+    free(l->names);
+}
+
+/* `servers` 0: dm2-seq. line->directory is set. */
+static enum dm2_status write_line(const struct sweep *s, double n, int servers, struct run_line *line,
+                                  struct dm2_error *err)
 {
     enum { FIXED = 16 };
-    char definition[64], steps[32], count[16];
-    char quiet[] = "-q", overwrite[] = "--overwrite", output[] = "-o", define[] = "-D", number[] = "--steps";
-    char *path = child_path(s->argv0, servers == 0 ? "dm2-seq" : "dm2-client");
-    char(*names)[HOST_MAX + 8] = mem_zalloc((size_t)servers + 1, sizeof *names);
-    char **argv = mem_zalloc((size_t)(FIXED + 2 * servers), sizeof *argv);
-    enum dm2_status status = DM2_OK;
-    if (path == NULL || names == NULL || argv == NULL) {
-        status = dm2_fail(err, DM2_MEMORY, "no memory for a run of %d servers", servers);
-    } else {
-        char *const fixed[] = {path,   (char *)s->deck_path, quiet, overwrite, output, directory, define, definition,
-                               number, steps};
-        int argc = (int)(sizeof fixed / sizeof fixed[0]);
-        (void)snprintf(definition, sizeof definition, "n=%.0f", n);
-        (void)snprintf(steps, sizeof steps, "%lld", (long long)s->steps);
-        memcpy(argv, fixed, sizeof fixed);
-        if (servers > 0)
-            (void)add_servers(s->servers, servers, count, sizeof count, names, argv, argc);
-        status = child_run(argv, s->cancel, err);
+    static char quiet[] = "-q", overwrite[] = "--overwrite", output[] = "-o", define[] = "-D", number[] = "--steps";
+    line->path = child_path(s->argv0, servers == 0 ? "dm2-seq" : "dm2-client");
+    line->names = mem_zalloc((size_t)servers + 1, sizeof *line->names);
+    line->argv = mem_zalloc((size_t)(FIXED + 2 * servers), sizeof *line->argv);
+    if (line->path == NULL || line->names == NULL || line->argv == NULL) {
+        free_line(line);
+        return dm2_fail(err, DM2_MEMORY, "no memory for a run of %d servers", servers);
     }
-    free(path);
-    free(names);
-    free(argv);
-    return status;
+    char *const fixed[] = {line->path,      (char *)s->deck_path, quiet,            overwrite, output,
+                           line->directory, define,               line->definition, number,    line->steps};
+    (void)snprintf(line->definition, sizeof line->definition, "n=%.0f", n);
+    (void)snprintf(line->steps, sizeof line->steps, "%lld", (long long)s->steps);
+    memcpy(line->argv, fixed, sizeof fixed);
+    if (servers > 0)
+        (void)add_servers(s->servers, servers, line->count, sizeof line->count, line->names, line->argv,
+                          (int)(sizeof fixed / sizeof fixed[0]));
+    return DM2_OK;
+}
+
+/* What a finished run said; large files are of no use here. */
+static enum dm2_status take_report(const char *directory, struct run_report *out, struct dm2_error *err)
+{
+    static const char *const large[] = {"final.dm2", "history.csv"};
+    char path[SWEEP_PATH + 16];
+    for (size_t k = 0; k < sizeof large / sizeof large[0]; k++) {
+        (void)snprintf(path, sizeof path, "%s/%s", directory, large[k]);
+        (void)unlink(path);
+    }
+    return sweep_read(directory, out, err);
 }
 
 enum dm2_status sweep_run(const struct sweep *s, double n, int servers, int run, struct run_report *out,
                           struct dm2_error *err)
 {
-    static const char *const large[] = {"final.dm2", "history.csv"};
-    char directory[SWEEP_PATH], path[SWEEP_PATH + 16];
+    struct run_line line = {0};
     if (servers == 0)
-        (void)snprintf(directory, sizeof directory, "%s/n%.0f-seq-%d", s->directory, n, run);
+        (void)snprintf(line.directory, sizeof line.directory, "%s/n%.0f-seq-%d", s->directory, n, run);
     else
-        (void)snprintf(directory, sizeof directory, "%s/n%.0f-servers%d-%d", s->directory, n, servers, run);
-    enum dm2_status status = start_run(s, n, servers, directory, err);
-    for (size_t k = 0; k < sizeof large / sizeof large[0] && status == DM2_OK; k++) {
-        (void)snprintf(path, sizeof path, "%s/%s", directory, large[k]);
-        (void)unlink(path);
+        (void)snprintf(line.directory, sizeof line.directory, "%s/n%.0f-servers%d-%d", s->directory, n, servers, run);
+    enum dm2_status status = write_line(s, n, servers, &line, err);
+    if (status != DM2_OK)
+        return status;
+    status = child_run(line.argv, s->cancel, err);
+    if (status == DM2_OK)
+        status = take_report(line.directory, out, err);
+    free_line(&line);
+    return status;
+}
+
+enum dm2_status sweep_run_copies(const struct sweep *s, double n, int copies, int run, struct run_report *out,
+                                 struct dm2_error *err)
+{
+    struct run_line *lines = mem_zalloc((size_t)copies, sizeof *lines);
+    char **argv[SWEEP_COPIES];
+    enum dm2_status status = lines == NULL ? dm2_fail(err, DM2_MEMORY, "no memory for %d runs", copies) : DM2_OK;
+    int written = 0, read = 0;
+    for (; written < copies && status == DM2_OK; written += status == DM2_OK) {
+        struct run_line *line = &lines[written];
+        (void)snprintf(line->directory, sizeof line->directory, "%s/n%.0f-copy%d-%d", s->directory, n, written + 1, run);
+        status = write_line(s, n, 0, line, err);
+        argv[written] = line->argv;
     }
-    return status == DM2_OK ? sweep_read(directory, out, err) : status;
+    if (status == DM2_OK)
+        status = child_run_all((char *const *const *)argv, copies, s->cancel, err);
+    for (; read < copies && status == DM2_OK; read += status == DM2_OK)
+        status = take_report(lines[read].directory, &out[read], err);
+    for (int k = 0; k < read && status != DM2_OK; k++)
+        free(out[k].servers);
+    for (int k = 0; k < written; k++)
+        free_line(&lines[k]);
+    free(lines);
+    return status;
 }
 
 /* --- reading ---------------------------------------------------------------------------------------------- */

@@ -2,7 +2,7 @@
  *
  * A table `quantity,servers,value,unit` with a row per number, so that a person reads it without a manual and
  * a spreadsheet opens it. The first row is the format's number. Constants have an empty `servers`; m, b and
- * residual come once for each number of servers that was measured.
+ * residual come once for each number of servers that was measured, and size, k_alone, k_shared once for each size.
  *
  * The reader takes nothing for granted: it walks over the rows once, notes what it has seen, and refuses what
  * is unknown, repeated, missing, or in another unit. A constant measured elsewhere would be a prediction that
@@ -18,7 +18,7 @@
 #include "dm2/base/file.h"
 #include "dm2/base/number.h"
 
-enum { COLUMNS = 4, SCALARS = 8 };
+enum { COLUMNS = 4, SCALARS = 9 };
 
 static const char *const HEADINGS[COLUMNS] = {"quantity", "servers", "value", "unit"};
 
@@ -28,12 +28,13 @@ struct scalar {
     double *value;
 };
 
-static void list_scalars(struct calibration *c, double *networks, struct scalar out[SCALARS])
+static void list_scalars(struct calibration *c, double *sizes, double *networks, struct scalar out[SCALARS])
 {
     const struct scalar all[SCALARS] = {
         {"d_x", "cm", &c->perf.d_x},     {"d_y", "cm", &c->perf.d_y}, {"L_x", "cm", &c->perf.l_x},
         {"L_y", "cm", &c->perf.l_y},     {"g", "byte", &c->perf.g},   {"k", "s", &c->perf.k},
-        {"k_spread", "s", &c->k_spread}, {"networks", "", networks},
+        {"k_spread", "s", &c->k_spread}, {"sizes", "", sizes},
+        {"networks", "", networks},
     };
     memcpy(out, all, sizeof all);
 }
@@ -91,7 +92,7 @@ static void put_number(struct file_out *f, const char *quantity, int servers, do
 enum dm2_status calibration_write(const char *path, const struct calibration *c, struct dm2_error *err)
 {
     struct calibration copy = *c;
-    double networks = (double)c->perf.n_network;
+    double sizes = (double)c->perf.n_size, networks = (double)c->perf.n_network;
     struct scalar scalars[SCALARS];
     struct file_out f;
     enum dm2_status status = check_calibration(c, err);
@@ -99,13 +100,18 @@ enum dm2_status calibration_write(const char *path, const struct calibration *c,
         status = file_create(&f, path, err);
     if (status != DM2_OK)
         return status;
-    list_scalars(&copy, &networks, scalars);
+    list_scalars(&copy, &sizes, &networks, scalars);
     file_puts(&f, "quantity,servers,value,unit\n");
     put_number(&f, "format", 0, CALIBRATION_FORMAT, "");
     put_text(&f, "host", c->host);
     put_text(&f, "version", c->version);
     for (int i = 0; i < SCALARS; i++)
         put_number(&f, scalars[i].name, 0, *scalars[i].value, scalars[i].unit);
+    for (size_t i = 0; i < c->perf.n_size; i++) {
+        put_number(&f, "size", 0, c->perf.size[i].n, "");
+        put_number(&f, "k_alone", 0, c->perf.size[i].alone, "s");
+        put_number(&f, "k_shared", 0, c->perf.size[i].shared, "s");
+    }
     for (size_t i = 0; i < c->perf.n_network; i++) {
         const struct perf_network *row = &c->perf.network[i];
         put_number(&f, "m", row->servers, row->m, "s/byte");
@@ -122,8 +128,7 @@ struct reader {
     size_t row;
     struct calibration *out;
     struct scalar scalars[SCALARS];
-    double
-        networks; /* how many numbers of servers have rows: a file that was cut short is not a smaller one */
+    double sizes, networks; /* how many there are: a file that was cut short is not a smaller one */
     bool seen_format, seen_host, seen_version, seen_scalar[SCALARS];
     struct dm2_error *err;
 };
@@ -171,7 +176,7 @@ static enum dm2_status take_format(struct reader *r)
     r->seen_format = true;
     enum dm2_status status = take_number(r, "", &format);
     if (status == DM2_OK && format != CALIBRATION_FORMAT)
-        status = fault(r, "this dm2 reads format 1 of the calibration; run dm2-model calibrate again");
+        status = fault(r, "this dm2 reads format 2 of the calibration; run dm2-model calibrate again");
     return status;
 }
 
@@ -181,6 +186,23 @@ static enum dm2_status take_scalar(struct reader *r, int which)
         return fault(r, "is there twice");
     r->seen_scalar[which] = true;
     return take_number(r, r->scalars[which].unit, r->scalars[which].value);
+}
+
+/* size, k_alone or k_shared; they are written in this order. */
+static enum dm2_status take_size(struct reader *r, const char *quantity)
+{
+    struct perf *p = &r->out->perf;
+    if (strcmp(quantity, "size") == 0) {
+        if (p->n_size == PERF_SIZE_MAX)
+            return fault(r, "there are too many sizes");
+        p->size[p->n_size++] = (struct perf_size){.alone = NAN, .shared = NAN};
+        return take_number(r, "", &p->size[p->n_size - 1].n);
+    }
+    if (p->n_size == 0)
+        return fault(r, "is expected behind its size");
+    struct perf_size *last = &p->size[p->n_size - 1];
+    double *value = strcmp(quantity, "k_alone") == 0 ? &last->alone : &last->shared;
+    return isnan(*value) ? take_number(r, "s", value) : fault(r, "is there twice");
 }
 
 /* The residual of a number of servers that has its row already: they are written in the order m, b, residual.
@@ -231,6 +253,8 @@ static enum dm2_status take_row(struct reader *r)
         return take_text(r, &r->seen_host, r->out->host);
     if (strcmp(quantity, "version") == 0)
         return take_text(r, &r->seen_version, r->out->version);
+    if (strcmp(quantity, "size") == 0 || strcmp(quantity, "k_alone") == 0 || strcmp(quantity, "k_shared") == 0)
+        return take_size(r, quantity);
     for (int i = 0; i < SCALARS; i++)
         if (strcmp(quantity, r->scalars[i].name) == 0)
             return take_scalar(r, i);
@@ -250,6 +274,9 @@ static enum dm2_status check_complete(const struct reader *r)
     if (missing != NULL)
         return dm2_fail(r->err, DM2_DECK, "%s: '%s' is missing; run dm2-model calibrate again", r->csv->path,
                         missing);
+    if (r->sizes != (double)r->out->perf.n_size)
+        return dm2_fail(r->err, DM2_DECK, "%s: k is there for %zu sizes, not for %g as it says", r->csv->path,
+                        r->out->perf.n_size, r->sizes);
     if (r->networks != (double)r->out->perf.n_network)
         return dm2_fail(r->err, DM2_DECK,
                         "%s: m and b are there for %zu numbers of servers, not for %g as it says",
@@ -307,7 +334,7 @@ enum dm2_status calibration_parse(const char *name, const char *text, size_t len
     if (status != DM2_OK)
         return status;
     struct reader reader = {.csv = &csv, .out = out, .err = err};
-    list_scalars(out, &reader.networks, reader.scalars);
+    list_scalars(out, &reader.sizes, &reader.networks, reader.scalars);
     status = read_rows(&reader);
     csv_free(&csv);
     return status == DM2_OK ? check_origin(name, out, host, version, err) : status;

@@ -55,6 +55,14 @@ static enum dm2_status check_network(const struct perf_network *row, const struc
     return status != DM2_OK ? status : check_constant("b", "s", row->b, true, err);
 }
 
+static enum dm2_status check_size(const struct perf_size *row, const struct perf_size *before, struct dm2_error *err)
+{
+    if (!(row->n >= 1 && row->n <= CONSTANT_MOST) || (before != NULL && !(row->n > before->n)))
+        return dm2_fail(err, DM2_USAGE, "the sizes at which k was measured do not rise, at %g elements", row->n);
+    enum dm2_status status = check_constant("k_alone", "s", row->alone, false, err);
+    return status != DM2_OK ? status : check_constant("k_shared", "s", row->shared, false, err);
+}
+
 enum dm2_status perf_check(const struct perf *p, struct dm2_error *err)
 {
     const struct {
@@ -72,6 +80,11 @@ enum dm2_status perf_check(const struct perf *p, struct dm2_error *err)
         return dm2_fail(err, DM2_USAGE, "there is no m and b for any number of servers");
     for (size_t i = 0; i < p->n_network; i++) {
         enum dm2_status status = check_network(&p->network[i], i > 0 ? &p->network[i - 1] : NULL, err);
+        if (status != DM2_OK)
+            return status;
+    }
+    for (size_t i = 0; i < p->n_size; i++) {
+        enum dm2_status status = check_size(&p->size[i], i > 0 ? &p->size[i - 1] : NULL, err);
         if (status != DM2_OK)
             return status;
     }
@@ -101,6 +114,10 @@ struct perf perf_faster(const struct perf *p, double processors, double network)
 {
     struct perf faster = *p;
     faster.k /= processors;
+    for (size_t i = 0; i < faster.n_size; i++) {
+        faster.size[i].alone /= processors;
+        faster.size[i].shared /= processors;
+    }
     for (size_t i = 0; i < faster.n_network; i++) {
         faster.network[i].m /= network;
         faster.network[i].b /= network;
@@ -130,6 +147,24 @@ bool perf_network(const struct perf *p, int servers, double *m, double *b)
         *b += along * (row[at + 1].b - row[at].b);
     }
     return false;
+}
+
+double perf_k_at(const struct perf *p, double n, int busy, int processors)
+{
+    const struct perf_size *row = p->size;
+    if (p->n_size == 0)
+        return p->k;
+    size_t at = 0;
+    while (at + 1 < p->n_size && row[at + 1].n <= n)
+        at++;
+    double alone = row[at].alone, shared = row[at].shared;
+    if (at + 1 < p->n_size && n > row[at].n) {
+        double part = log(n / row[at].n) / log(row[at + 1].n / row[at].n);
+        alone += part * (row[at + 1].alone - alone);
+        shared += part * (row[at + 1].shared - shared);
+    }
+    double crowd = processors > 1 ? fmin(1, (busy - 1.0) / (processors - 1)) : 0;
+    return alone + fmax(0, crowd) * (shared - alone);
 }
 
 double perf_n_x(const struct perf *p, double n, double s)

@@ -34,7 +34,7 @@ struct explanation explain_run(const struct explain_input *in)
         most = fmax(most, s->computing);
     }
     int processors = in->processors < in->servers ? in->processors : in->servers;
-    e.computing = in->t_seq / processors;
+    e.computing = in->work / processors;
     e.communication = in->m * in->g * mean.mirrored + in->b;
     e.predicted = e.computing + e.communication;
     e.share[EXPLAIN_COMPUTING] = mean.computing - e.computing;

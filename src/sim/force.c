@@ -48,11 +48,14 @@ DM2_INLINE bool near_add(const struct fixed_scales *s, int64_t *a, int64_t *b, d
 }
 
 /* A pair that touches or is linked counts in both elements' surroundings; r stays below link_break r0. */
-static void add_around(const struct pass *pass, uint32_t i, uint32_t j, double dx, double dy)
+static void add_around(const struct pass *pass, uint32_t i, uint32_t j, double dx, double dy, bool linked,
+                       bool contacting)
 {
     double s = pass->m->fixed.around;
     const int64_t part[AROUND_COUNT] = {[AROUND_XX] = to_fixed(dx * dx * s), [AROUND_YY] = to_fixed(dy * dy * s),
-                                        [AROUND_XY] = to_fixed(dx * dy * s), [AROUND_PAIRS] = 1};
+                                        [AROUND_XY] = to_fixed(dx * dy * s),
+                                        [AROUND_TALLY] = TALLY_PAIR + (linked ? TALLY_LINK : 0) +
+                                                         (contacting ? TALLY_CONTACT : 0)};
     int64_t *a = pass->p->around + AROUND_COUNT * (size_t)i, *b = pass->p->around + AROUND_COUNT * (size_t)j;
     for (int k = 0; k < AROUND_COUNT; k++) {
         a[k] += part[k];
@@ -67,11 +70,7 @@ static void near_measure(struct pass *pass, uint32_t i, uint32_t j, double dx, d
     const struct fixed_scales *s = &pass->m->fixed;
     add_virial(pass, i, j, dx, dy, e->fn * nx - e->ft * ny, e->fn * ny + e->ft * nx);
     if (linked || e->contacting)
-        add_around(pass, i, j, dx, dy);
-    p->links[i] = (uint16_t)(p->links[i] + linked);
-    p->links[j] = (uint16_t)(p->links[j] + linked);
-    p->contacts[i] = (uint16_t)(p->contacts[i] + e->contacting);
-    p->contacts[j] = (uint16_t)(p->contacts[j] + e->contacting);
+        add_around(pass, i, j, dx, dy, linked, e->contacting);
     if (!counts_here(p, i, j))
         return;
     if (!(fabs(e->potential * s->energy) < FIXED_RANGE) || !(fabs(e->elastic * s->energy) < FIXED_RANGE)) {
@@ -108,7 +107,11 @@ DM2_INLINE void near_pair(struct pass *pass, struct lists *l, uint32_t i, uint32
                              .vn = dvx * nx + dvy * ny, .vt = dvy * nx - dvx * ny,
                              .w_i = p->w[i], .w_j = p->w[j], .mass_i = p->mass[i], .mass_j = p->mass[j],
                              .soft_i = p->soft[i], .soft_j = p->soft[j],
-                             .t_i = p->temperature[i], .t_j = p->temperature[j], .p_i = p->p[i], .p_j = p->p[j]};
+                             .t_i = p->temperature[i], .t_j = p->temperature[j], };
+    if (p->p != NULL) {
+        view.p_i = p->p[i];
+        view.p_j = p->p[j];
+    }
     struct pair_state state = {.linked = l->linked[k], .stretch = l->stretch[k], .spring = l->spring[k]};
     struct pair_effect effect;
     pair_interact(law, &view, pass->dt_kick, pass->dt_path, &state, &effect);
@@ -205,11 +208,11 @@ enum dm2_status force_evaluate(const struct model *m, struct particles *p, struc
         return DM2_OK; /* and perhaps no array to clear */
     if (totals != NULL) {
         memset(p->virial, 0, p->n * 3 * sizeof *p->virial);
-        memset(p->around, 0, p->n * AROUND_COUNT * sizeof *p->around);
-        memset(p->links, 0, p->n * sizeof *p->links);
-        memset(p->contacts, 0, p->n * sizeof *p->contacts);
+        if (m->has_near)
+            memset(p->around, 0, p->n * AROUND_COUNT * sizeof *p->around);
     }
-    memset(p->far_sum, 0, (p->n + 1) * 2 * sizeof *p->far_sum);
+    if (p->far_sum != NULL)
+        memset(p->far_sum, 0, (p->n + 1) * 2 * sizeof *p->far_sum);
     if (m->has_near)
         memset(p->pair_sum, 0, p->n * SUM_COUNT * sizeof *p->pair_sum);
     if (m->has_far)

@@ -32,12 +32,13 @@ struct kick {
 /* `near`: there are near pairs in this deck; without, their sums are not even zeroed. */
 static inline struct kick kick_of(const struct model *m, const struct particles *p, size_t i, double dt, bool near)
 {
-    const int64_t *s = p->pair_sum + SUM_COUNT * i, *far = p->far_sum + 2 * i;
+    const int64_t *s = near ? p->pair_sum + SUM_COUNT * i : NULL;
     const struct fixed_scales *x = &m->fixed;
     double over_mass = 1.0 / p->mass[i];
     struct kick k = {.dw = 0.0};
     for (int a = 0; a < 2; a++) {
-        k.force[a] = (double)far[a] * x->over_far_force;
+        if (p->far_sum != NULL)
+            k.force[a] = (double)p->far_sum[2 * i + (size_t)a] * x->over_far_force;
         if (near)
             k.force[a] += (double)s[SUM_FX + a] * x->over_force;
         k.dv[a] = (k.force[a] * over_mass + m->config->gravity[a]) * dt;
@@ -70,9 +71,9 @@ void leapfrog_whole_velocity(const struct model *m, const struct particles *p, s
  * exact for any homogeneous F. Else, at surfaces and in loose packings, it is the cell of the element at rest. */
 static double volume_of(const struct model *m, const struct particles *p, size_t i)
 {
-    const int64_t *s = p->around + AROUND_COUNT * i;
+    const int64_t *s = p->around != NULL ? p->around + AROUND_COUNT * i : NULL;
     double d = 2.0 * p->radius[i], scale = m->fixed.around;
-    if (s[AROUND_PAIRS] == 6) {
+    if (s != NULL && s[AROUND_TALLY] % TALLY_LINK == 6 * TALLY_PAIR) {
         double xx = (double)s[AROUND_XX] / scale, yy = (double)s[AROUND_YY] / scale, xy = (double)s[AROUND_XY] / scale;
         double det = xx * yy - xy * xy;
         if (det > 0.0)
@@ -110,16 +111,17 @@ static bool measure_element(const struct model *m, const struct particles *p, si
 {
     const struct measure_scales *s = &m->scales;
     double share = step == 0 ? 0.0 : 0.5, mass = p->mass[i], stress[3];
-    double v[2] = {p->v[2 * i] + share * k->dv[0], p->v[2 * i + 1] + share * k->dv[1]}, w = p->w[i] + share * k->dw;
-    double spin = 0.5 * mass * (p->radius[i] * p->radius[i]) * w;
-    double x = p->r[2 * i], y = p->r[2 * i + 1], work = p->work[i];
+    double v[2] = {p->v[2 * i] + share * k->dv[0], p->v[2 * i + 1] + share * k->dv[1]};
+    double w = p->w[i] + share * k->dw, spin = 0.5 * mass * (p->radius[i] * p->radius[i]) * w;
+    double x = p->r[2 * i], y = p->r[2 * i + 1], work = p->work != NULL ? p->work[i] : 0.0;
+    double temperature = particles_temperature(p, m, i);
     if (p->flags[i] & ELEMENT_FIXED_MOTION)
         work += share * leapfrog_kick_time(m, step) * drive_power(p, i, k);
     bool fits = exact_add(&out->kinetic, 0.5 * mass * (v[0] * v[0] + v[1] * v[1]) + 0.5 * spin * w, s->energy);
     fits &= exact_add(&out->thermal, p->heat[i] + k->heat_now + share * k->heat_damped, s->energy);
     if (m->has_kinds) {
         const struct kind *kind = &m->kinds[p->kind[i]];
-        double left = p->share[2 * i] + p->share[2 * i + 1];
+        double left = p->share != NULL ? p->share[2 * i] + p->share[2 * i + 1] : 0.0;
         fits &= exact_add(&out->chemical, m->reaction.heat * (mass * left), s->energy);
         fits &= exact_add(&out->phase, mass * kind->energy + p->moved[i], s->energy);
     }
@@ -132,7 +134,7 @@ static bool measure_element(const struct model *m, const struct particles *p, si
     double pressure = -0.5 * (stress[0] + stress[1]);
     out->p_min = pressure < out->p_min ? pressure : out->p_min;
     out->p_max = pressure > out->p_max ? pressure : out->p_max;
-    out->t_max = p->temperature[i] > out->t_max ? p->temperature[i] : out->t_max;
+    out->t_max = temperature > out->t_max ? temperature : out->t_max;
     for (int b = 0; p->probes[i] >> b != 0; b++) {
         if (!(p->probes[i] >> b & 1))
             continue;
@@ -181,7 +183,7 @@ static inline double drift_all(const struct model *m, struct particles *p, doubl
             p->v[2 * i + a] = v[a];
             p->r[2 * i + a] = r[a];
         }
-        if (p->flags[i] & ELEMENT_FIXED_MOTION)
+        if (p->work != NULL && (p->flags[i] & ELEMENT_FIXED_MOTION))
             p->work[i] += drive_power(p, i, &k) * dt_kick;
         else if (pulled)
             p->work[i] += p->mass[i] * (c->gravity[0] * v[0] + c->gravity[1] * v[1]) * dt;

@@ -30,6 +30,15 @@ struct builder {
     bool overlap;
 };
 
+/* Lists are the largest arrays there are: they grow by an eighth, from what a lattice needs. */
+enum { FAR_GUESS = 10, NEAR_GUESS = 3 }; /* entries per owned element */
+
+static size_t list_room(size_t cap, size_t need, size_t guess)
+{
+    size_t least = cap == 0 ? guess : cap + cap / 8;
+    return need <= cap ? cap : need > least ? need : least;
+}
+
 static int list_reserve_rows(struct half_list *list, size_t rows)
 {
     void *start = list->start;
@@ -39,32 +48,51 @@ static int list_reserve_rows(struct half_list *list, size_t rows)
     return 0;
 }
 
-static int far_reserve(struct half_list *list, size_t used, size_t more)
+/* Moves an array's first `used` items into room for `cap`. */
+static int list_move(void **block, size_t used, size_t cap, size_t size)
 {
-    void *j = list->j;
-    int status = mem_grow(&j, &list->cap, used, used + more, sizeof *list->j);
-    list->j = j;
-    return status;
+    void *grown = mem_alloc(cap, size);
+    if (grown == NULL)
+        return -1;
+    if (used > 0)
+        memcpy(grown, *block, used * size);
+    free(*block);
+    *block = grown;
+    return 0;
 }
 
-static int near_reserve(struct lists *l, size_t used, size_t more)
+static int far_reserve(struct half_list *list, size_t used, size_t more, size_t guess)
 {
-    if (used + more <= l->memory_cap)
+    void *j = list->j;
+    size_t cap = list_room(list->cap, used + more, guess);
+    if (cap == list->cap)
         return 0;
-    void *linked = l->linked, *stretch = l->stretch, *spring = l->spring;
-    size_t cap[3] = {l->memory_cap, l->memory_cap, l->memory_cap};
-    int status = far_reserve(&l->near, used, more);
+    if (list_move(&j, used, cap, sizeof *list->j) != 0)
+        return -1;
+    list->j = j;
+    list->cap = cap;
+    return 0;
+}
+
+static int near_reserve(struct lists *l, size_t used, size_t more, size_t guess)
+{
+    size_t cap = list_room(l->memory_cap, used + more, guess);
+    if (cap == l->memory_cap)
+        return 0;
+    void *j = l->near.j, *linked = l->linked, *stretch = l->stretch, *spring = l->spring;
+    int status = list_move(&j, used, cap, sizeof *l->near.j);
+    l->near.j = j;
     if (status == 0)
-        status = mem_grow(&linked, &cap[0], used, used + more, sizeof *l->linked);
+        status = list_move(&linked, used, cap, sizeof *l->linked);
     l->linked = linked;
     if (status == 0)
-        status = mem_grow(&stretch, &cap[1], used, used + more, sizeof *l->stretch);
+        status = list_move(&stretch, used, cap, sizeof *l->stretch);
     l->stretch = stretch;
     if (status == 0)
-        status = mem_grow(&spring, &cap[2], used, used + more, sizeof *l->spring);
+        status = list_move(&spring, used, cap, sizeof *l->spring);
     l->spring = spring;
     if (status == 0)
-        l->memory_cap = cap[0];
+        l->memory_cap = l->near.cap = cap;
     return status;
 }
 
@@ -113,9 +141,10 @@ static void consider_near(struct builder *b, uint32_t i, uint32_t j, double r2)
 /* Room for one more row that may meet `candidates` elements. */
 static int reserve_row(struct builder *b, size_t candidates)
 {
-    if (b->m->has_far && far_reserve(&b->lists->far, b->far_count, candidates + SIMD_LANES) != 0)
+    size_t n = b->p->n_own;
+    if (b->m->has_far && far_reserve(&b->lists->far, b->far_count, candidates + SIMD_LANES, FAR_GUESS * n) != 0)
         return -1;
-    if (b->m->has_near && near_reserve(b->lists, b->near_count, candidates) != 0)
+    if (b->m->has_near && near_reserve(b->lists, b->near_count, candidates, NEAR_GUESS * n) != 0)
         return -1;
     return 0;
 }
@@ -215,21 +244,22 @@ static void pad_row(struct builder *b)
 }
 
 /* Gives the memory that row i carries over to its entries; a linked pair out of reach of contact gets its own. */
-static int remember(struct builder *b, uint32_t i, const struct carried_pair *pairs, size_t n)
+static int remember(struct builder *b, uint32_t i)
 {
     struct lists *l = b->lists;
-    for (size_t k = 0; k < n; k++) {
+    for (uint32_t k = l->rows[i]; k < l->rows[i + 1]; k++) {
         size_t at = l->near.start[i];
-        while (at < b->near_count && l->near.j[at] != pairs[k].b)
+        uint32_t partner = l->carried_b[k] & ~CARRIED_LINKED;
+        while (at < b->near_count && l->near.j[at] != partner)
             at++;
         if (at == b->near_count) {
-            if (near_reserve(l, b->near_count, 1) != 0)
+            if (near_reserve(l, b->near_count, 1, NEAR_GUESS * b->p->n_own) != 0)
                 return -1;
-            add_near(b, pairs[k].b, false, 0.0, 0.0);
+            add_near(b, partner, false, 0.0, 0.0);
         }
-        l->linked[at] = pairs[k].linked;
-        l->stretch[at] = pairs[k].stretch;
-        l->spring[at] = pairs[k].spring;
+        l->linked[at] = (l->carried_b[k] & CARRIED_LINKED) != 0;
+        l->stretch[at] = l->carried[2 * (size_t)k];
+        l->spring[at] = l->carried[2 * (size_t)k + 1];
     }
     return 0;
 }
@@ -245,14 +275,19 @@ int lists_carry_start(struct lists *l, size_t n_own)
 }
 
 /* Counts become starts: rows[a + 1] is the cursor of row a and ends where the next row begins. */
-int lists_carry_reserve(struct lists *l, size_t n_own)
+int lists_carry_reserve(struct lists *l, size_t n_own, void *room, size_t bytes)
 {
-    void *carried = l->carried;
     for (size_t i = 0; i < n_own; i++)
         l->rows[i + 2] += l->rows[i + 1];
-    int status = mem_grow(&carried, &l->carried_cap, 0, (size_t)l->rows[n_own + 1] + 1, sizeof *l->carried);
-    l->carried = carried;
-    return status;
+    size_t pairs = l->rows[n_own + 1], need = pairs * (2 * sizeof *l->carried + sizeof *l->carried_b);
+    if (need > bytes) {
+        if (mem_grow(&l->carried_own, &l->carried_own_cap, 0, need, 1) != 0)
+            return -1;
+        room = l->carried_own;
+    }
+    l->carried = room;
+    l->carried_b = pairs > 0 ? (uint32_t *)(void *)(l->carried + 2 * pairs) : NULL;
+    return 0;
 }
 
 static struct builder begin(struct lists *lists, const struct model *m, const struct particles *p, bool initial)
@@ -289,7 +324,7 @@ enum dm2_status lists_build(struct lists *lists, const struct model *m, const st
             if ((all_pairs ? row_from_all(&b, i)
                  : binned  ? row_from_bins(&b, i)
                            : row_from_cells(&b, cells, own, i)) != 0 ||
-                remember(&b, i, lists->carried + lists->rows[i], lists->rows[i + 1] - lists->rows[i]) != 0)
+                remember(&b, i) != 0)
                 goto done;
             if (m->wide_far)
                 pad_row(&b);
@@ -327,7 +362,7 @@ void lists_free(struct lists *l)
     free(l->stretch);
     free(l->spring);
     bins_free(&l->bins);
-    free(l->carried);
+    free(l->carried_own);
     free(l->rows);
     *l = (struct lists){0};
 }
@@ -336,6 +371,5 @@ size_t lists_bytes(const struct lists *l)
 {
     return (l->far.row_cap + l->far.cap + l->near.row_cap + l->near.cap) * sizeof(uint32_t) +
            l->memory_cap * (1 + 2 * sizeof(double)) + bins_bytes(&l->bins) + inner_list_bytes(&l->inner) +
-           link_list_bytes(&l->links) +
-           l->carried_cap * sizeof *l->carried + l->rows_cap * sizeof *l->rows;
+           link_list_bytes(&l->links) + l->carried_own_cap + l->rows_cap * sizeof *l->rows;
 }

@@ -1,5 +1,5 @@
-/* Sums over bins. Velocities are those of the whole step, as in the history; stress is that of leapfrog_stress,
- * weighted by the same volume that it was divided by, so that a bin's stress is its virial over its volume. */
+/* Sums over bins (docs/physics.md, section 12). Velocities are those of the whole step, as in the history; stress is
+ * the mean of leapfrog_stress, each element weighted by the volume of its cell at rest. */
 #include "dm2/sim/profile.h"
 
 #include <math.h>
@@ -34,7 +34,7 @@ static bool add_element(const struct model *m, const struct particles *p, size_t
     bin->elements++;
     bool fits = exact_add(&bin->mass, p->mass[i], s->mass);
     fits &= exact_add(&bin->volume, volume, s->volume);
-    fits &= exact_add(&bin->temperature, p->temperature[i], s->temperature);
+    fits &= exact_add(&bin->temperature, particles_temperature(p, m, i), s->temperature);
     for (int a = 0; a < 2; a++)
         fits &= exact_add(&bin->momentum[a], p->mass[i] * v[a], s->momentum);
     for (int a = 0; a < 3; a++)

@@ -24,6 +24,7 @@
 #include "dm2/sim/lists.h"
 #include "dm2/sim/phase.h"
 #include "dm2/sim/reaction.h"
+#include "dm2/sim/state_reader.h"
 #include "dm2/sim/strain.h"
 
 /* A block that is kept from rebuild to rebuild: getting a large one anew costs more than filling it. */
@@ -86,6 +87,14 @@ struct subdomain {
 static enum dm2_status no_memory(const struct subdomain *sd, struct dm2_error *err)
 {
     return dm2_fail(err, DM2_MEMORY, "no memory for a subdomain of %zu elements", sd->p.n);
+}
+
+static int reserve_elements(struct element_array *a, size_t n)
+{
+    void *block = a->item;
+    int status = mem_grow(&block, &a->cap, a->n, n, sizeof *a->item);
+    a->item = block;
+    return status;
 }
 
 static int add_element(struct element_array *a, const struct element *e)
@@ -336,7 +345,7 @@ static int carry_all(struct subdomain *sd, const struct parcel *parcels, size_t 
     int status = lists_carry_start(&sd->lists, sd->p.n_own);
     for (int place = 0; place < 2 && status == 0; place++) {
         if (place)
-            status = lists_carry_reserve(&sd->lists, sd->p.n_own);
+            status = lists_carry_reserve(&sd->lists, sd->p.n_own, sd->p.pair_sum, particles_sum_bytes(&sd->p));
         if (status == 0 && !initial)
             carry_memory(sd, place, n_old, moved, old_id);
         if (status == 0)
@@ -390,8 +399,8 @@ static enum dm2_status gather(struct subdomain *sd, const struct parcel *parcels
     return DM2_OK;
 }
 
-/* The whole of a rebuild's second half; at the start, with nothing old, the whole set-up. */
-static enum dm2_status settle(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels, bool initial,
+/* Puts everybody into slots in cell order and hands the memory of pairs over to the lists to be built. */
+static enum dm2_status arrange(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels, bool initial,
                               struct dm2_error *err)
 {
     size_t n_old = sd->p.n_own, n_all_old = sd->p.n, stayers = 0;
@@ -440,7 +449,7 @@ static enum dm2_status settle(struct subdomain *sd, const struct parcel *parcels
     if (carry_all(sd, parcels, n_parcels, n_old, moved, old_id, initial) != 0 || build_send_lists(sd) != 0)
         goto done;
     sd->p.r[2 * n] = sd->p.r[2 * n + 1] = sd->model->far_place;
-    status = lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, initial, err);
+    status = DM2_OK;
 done:
     free(in.newcomers);
     free(in.mirrors);
@@ -448,6 +457,13 @@ done:
     if (status == DM2_MEMORY)
         return no_memory(sd, err);
     return status;
+}
+
+/* The whole of a rebuild's second half. */
+static enum dm2_status settle(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels, struct dm2_error *err)
+{
+    enum dm2_status status = arrange(sd, parcels, n_parcels, false, err);
+    return status == DM2_OK ? lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, false, err) : status;
 }
 
 /* --- creation -------------------------------------------------------------------------------------------------- */
@@ -463,6 +479,7 @@ static enum dm2_status begin(const struct model *model, const struct domain_map 
     sd->map = *map;
     sd->rank = rank;
     sd->step = step;
+    particles_start(&sd->p, model);
     sd->peers = mem_zalloc((size_t)map->ranks, sizeof *sd->peers);
     if (sd->peers == NULL)
         return no_memory(sd, err);
@@ -486,12 +503,19 @@ static enum dm2_status choose(void *context, const struct element *e, struct dm2
     return DM2_OK;
 }
 
-static enum dm2_status settle_chosen(struct subdomain *sd, const struct chooser *chosen, const struct pair_record *pairs,
+/* The whole set-up, with nothing old. The records are freed as soon as the elements are in their slots: lists need the
+ * room. */
+static enum dm2_status settle_chosen(struct subdomain *sd, struct chooser *chosen, const struct pair_record *pairs,
                                      size_t n_pairs, bool initial, struct dm2_error *err)
 {
     struct parcel parcel = {.migrants = chosen->own.item, .n_migrants = chosen->own.n, .mirrors = chosen->mirrors.item,
                             .n_mirrors = chosen->mirrors.n, .pairs = (struct pair_record *)pairs, .n_pairs = n_pairs};
-    return settle(sd, &parcel, 1, initial, err);
+    enum dm2_status status = arrange(sd, &parcel, 1, initial, err);
+    free(chosen->own.item);
+    free(chosen->mirrors.item);
+    chosen->own.item = chosen->mirrors.item = NULL;
+    idmap_free(&sd->ids); /* large enough for everybody, who will not all be newcomers again */
+    return status == DM2_OK ? lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, initial, err) : status;
 }
 
 /* How many links each owned element starts with. */
@@ -512,6 +536,8 @@ enum dm2_status subdomain_create(const struct model *model, const struct domain_
     double started = clock_now();
     enum dm2_status status = begin(model, map, rank, 0, out, err);
     struct chooser chosen = {.sd = *out};
+    if (status == DM2_OK && map->ranks == 1 && reserve_elements(&chosen.own, model_elements(model)) != 0)
+        status = no_memory(*out, err);
     if (status == DM2_OK)
         status = generate_elements(model, choose, &chosen, err);
     if (status == DM2_OK)
@@ -535,6 +561,8 @@ enum dm2_status subdomain_restore(const struct model *model, const struct domain
 {
     enum dm2_status status = begin(model, map, rank, step, out, err);
     struct chooser chosen = {.sd = *out};
+    if (status == DM2_OK && map->ranks == 1 && reserve_elements(&chosen.own, n_elements) != 0)
+        status = no_memory(*out, err);
     for (size_t k = 0; k < n_elements && status == DM2_OK; k++)
         status = choose(&chosen, &elements[k], err);
     /* The pairs' elements are all newcomers or mirrors, so every id is in the map. */
@@ -861,7 +889,7 @@ enum dm2_status subdomain_take_in(struct subdomain *sd, const struct parcel *par
                                   struct dm2_error *err)
 {
     double started = clock_now();
-    enum dm2_status status = settle(sd, parcels, n_parcels, false, err);
+    enum dm2_status status = settle(sd, parcels, n_parcels, err);
     sd->times.rebuild += clock_now() - started;
     sd->times.rebuilds++;
     return status;
@@ -872,66 +900,60 @@ enum dm2_status subdomain_take_in(struct subdomain *sd, const struct parcel *par
 enum dm2_status subdomain_collect(const struct subdomain *sd, struct element *elements,
                                   struct element_measure *measured, struct dm2_error *err)
 {
-    const struct particles *p = &sd->p;
-    uint32_t *order = mem_alloc(p->n_own, sizeof *order);
-    if (order == NULL)
-        return no_memory(sd, err);
-    for (size_t i = 0; i < p->n_own; i++)
-        order[i] = (uint32_t)i;
-    if (sort_slots_by_id(p, order, p->n_own) != 0) {
-        free(order);
-        return no_memory(sd, err);
-    }
-    for (size_t k = 0; k < p->n_own; k++) {
-        size_t i = order[k];
-        particles_get(p, i, &elements[k]);
+    struct state_reader reader;
+    enum dm2_status status = state_reader_open(&reader, &sd->p, &sd->lists, false, err);
+    for (size_t k = 0; k < reader.n_elements; k++) {
+        state_reader_element(&reader, k, &elements[k]);
         if (measured == NULL)
             continue;
         double w;
+        size_t i = reader.slot[k];
         struct element_measure *out = &measured[k];
-        leapfrog_stress(sd->model, p, i, out->stress);
-        leapfrog_whole_velocity(sd->model, p, i, sd->step, out->velocity, &w);
-        out->temperature = p->temperature[i];
-        out->links = p->links[i];
-        out->contacts = p->contacts[i];
+        leapfrog_stress(sd->model, &sd->p, i, out->stress);
+        leapfrog_whole_velocity(sd->model, &sd->p, i, sd->step, out->velocity, &w);
+        out->temperature = particles_temperature(&sd->p, sd->model, i);
+        out->links = particles_links(&sd->p, i);
+        out->contacts = particles_contacts(&sd->p, i);
     }
-    free(order);
-    return DM2_OK;
-}
-
-static int by_ids(const void *a, const void *b)
-{
-    const struct pair_record *pa = a, *pb = b;
-    if (pa->id_a != pb->id_a)
-        return pa->id_a < pb->id_a ? -1 : 1;
-    return pa->id_b < pb->id_b ? -1 : pa->id_b > pb->id_b;
+    state_reader_free(&reader);
+    return status;
 }
 
 enum dm2_status subdomain_collect_pairs(const struct subdomain *sd, struct pair_record **pairs, size_t *n_pairs,
                                         struct dm2_error *err)
 {
-    const struct lists *l = &sd->lists;
-    const struct particles *p = &sd->p;
-    struct pair_array out = {0};
-    for (size_t i = 0; i < p->n_own; i++) {
-        for (uint32_t k = l->near.start[i]; k < l->near.start[i + 1]; k++) {
-            size_t j = l->near.j[k];
-            if (!lists_remembers(l, k) || (j >= p->n_own && p->id[j] < p->id[i]))
-                continue;
-            bool ordered = p->id[i] < p->id[j];
-            struct pair_record pair = {.id_a = ordered ? p->id[i] : p->id[j], .id_b = ordered ? p->id[j] : p->id[i],
-                                       .linked = l->linked[k], .stretch = l->stretch[k], .spring = l->spring[k]};
-            if (add_pair(&out, &pair) != 0) {
-                free(out.item);
-                return no_memory(sd, err);
-            }
-        }
-    }
-    if (out.n > 0)
-        qsort(out.item, out.n, sizeof *out.item, by_ids);
-    *pairs = out.item;
-    *n_pairs = out.n;
-    return DM2_OK;
+    struct state_reader reader;
+    enum dm2_status status = state_reader_open(&reader, &sd->p, &sd->lists, true, err);
+    *n_pairs = reader.n_pairs;
+    *pairs = status == DM2_OK ? mem_alloc(reader.n_pairs, sizeof **pairs) : NULL;
+    if (status == DM2_OK && *pairs == NULL)
+        status = no_memory(sd, err);
+    for (size_t k = 0; status == DM2_OK && k < reader.n_pairs; k++)
+        state_reader_pair(&reader, k, &(*pairs)[k]);
+    state_reader_free(&reader);
+    return status;
+}
+
+static void read_element(const void *context, size_t k, struct element *out)
+{
+    state_reader_element(context, k, out);
+}
+
+static void read_pair(const void *context, size_t k, struct pair_record *out)
+{
+    state_reader_pair(context, k, out);
+}
+
+enum dm2_status subdomain_write(const struct subdomain *sd, subdomain_writer write, void *context, struct dm2_error *err)
+{
+    struct state_reader reader;
+    enum dm2_status status = state_reader_open(&reader, &sd->p, &sd->lists, true, err);
+    const struct state_view view = {.step = sd->step, .n_elements = reader.n_elements, .n_pairs = reader.n_pairs,
+                                    .records = &reader, .element = read_element, .pair = read_pair};
+    if (status == DM2_OK)
+        status = write(context, &view, err);
+    state_reader_free(&reader);
+    return status;
 }
 
 void subdomain_take_times(struct subdomain *sd, struct subdomain_times *out)

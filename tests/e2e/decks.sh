@@ -76,3 +76,13 @@ within "$(largest temperature_max)" 400 900 "the hottest spot"
 check granular-shear 300
 within "$(last layer1_vx)" -0.001 0.003 "the velocity of the lowest layer"
 within "$(last layer5_vx)" 0.006 0.01 "the velocity of the uppermost layer"
+
+# Melting first, then the reaction, which frees two fifths of what the elements hold.
+check shear-band 150
+awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) { sub(/ .*/, "", $i); at[$i] = i }; next }
+    NR == 2 { whole = $at["chemical"] }
+    $at["phase"] > 1e-5 && !melts { melts = $at["time"] }
+    $at["chemical"] < 0.99 * whole && !reacts { reacts = $at["time"] }
+    END { printf "melts from %g us, reacts from %g us, %.2f of it\n", melts, reacts, 1 - $at["chemical"] / whole
+          exit !(melts > 3 && melts < 5 && reacts > 8 && reacts < 12 && $at["chemical"] < 0.7 * whole) }' run/history.csv ||
+    fail "the shear band does not melt and react as its comment says"

@@ -17,25 +17,80 @@ expect_status 0 sh "$script" unlimited 2 sh -c "\"$DM2_BIN/dm2-client\" \"$deck\
 expect_status 0 "$DM2_BIN/dm2-seq" "$deck" -q -o here --steps 10
 same_bytes far/final.dm2 here/final.dm2
 
-# left PID: nothing of the script with this id is there.
-left()
+# nothing_left PID: no namespace, process, link, control file or directory of the script with this id is there.
+mkdir -m 777 temporary
+nothing_left()
 {
     ! ip netns list | grep -q "^dm2e$1-" || { ip netns list; fail "namespaces are left"; }
+    ! ip -o link show | grep -q "dm2e$1-" || fail "links are left"
+    [ -z "$(ls temporary)" ] || fail "a temporary directory is left: $(ls temporary)"
+    for process in $watched; do
+        case $(ps -o stat= -p "$process") in
+        '' | Z*) ;; # gone, or waits for its new parent to notice
+        *) fail "process $process is left: $(ps -o args= -p "$process")" ;;
+        esac
+    done
+    watched=
 }
-sh "$script" fast 2 false >out 2>err &
-pid=$!
-status=0
-wait "$pid" || status=$?
-[ "$status" -eq 1 ] || fail "the command's exit status is lost: $status"
-left "$pid"
 
+# in_front PRESET N COMMAND...: starts the script as a terminal does; $pid is it and its process group.
+programs=$DM2_BIN
+in_front()
+{
+    TMPDIR=$PWD/temporary DM2_BIN=$programs "$DM2_BUILD/tools/foreground" sh "$script" "$@" >out 2>err &
+    pid=$!
+}
+
+# ended STATUS
+ended()
+{
+    status=0
+    wait "$pid" || status=$?
+    [ "$status" -eq "$1" ] || { cat out err; fail "exit status $status, expected $1"; }
+    nothing_left "$pid"
+}
+
+# A command that fails, one that cannot be started, and a server that cannot.
+watched=
+in_front fast 2 false
+ended 1
+in_front fast 2 ./missing
+ended 1
+expect_text err ./missing
+mkdir broken
+printf '#!/bin/sh\n[ "$1" != --new-key ] || exec "%s/dm2-server" "$@"\nexit 1\n' "$DM2_BIN" >broken/dm2-server
+chmod +x broken/dm2-server
+programs=$PWD/broken
+in_front fast 2 true
+ended 1
+expect_text err 'did not start'
+programs=$DM2_BIN
+
+# Signals, while the command has a process of its own, the first time one that takes no notice of any: Ctrl-C goes to the
+# whole group, the others to the script alone.
 mkfifo started
-sh "$script" fast 2 sh -c 'echo up >started; exec sleep 50' >out 2>err &
-pid=$!
-read -r line <started
-[ "$line" = up ] || fail "the command did not start"
-kill -TERM "$pid"
-status=0
-wait "$pid" || status=$?
-[ "$status" -eq 143 ] || fail "exit status $status after a signal"
-left "$pid"
+cat >parent <<'END'
+(trap '' $1; exec sleep 50) &
+echo "$$ $! up" >started
+wait
+END
+ignored='INT TERM HUP'
+for how in INT:-:130 TERM::143 HUP::129; do
+    in_front fast 2 sh ./parent "$ignored"
+    ignored=INT
+    read -r shell sleeper line <started
+    [ "$line" = up ] || fail "the command did not start"
+    watched="$shell $sleeper $(cat /proc/"$pid"/task/"$pid"/children)"
+    signal=${how%%:*} status=${how##*:} group=${how#*:}
+    kill -s "$signal" -- "${group%:*}$pid"
+    ended "$status"
+done
+
+# Without the rights nothing is made, and the reason is said; as here where the test itself has none.
+chmod 777 .
+setpriv --reuid 65534 --regid 65534 --clear-groups true 2>/dev/null || exit 0
+reached=$(setpriv --reuid 65534 --regid 65534 --clear-groups sh -c "[ -r '$script' ] && [ -w temporary ] && echo yes" 2>/dev/null)
+[ "$reached" = yes ] || exit 0
+expect_status 77 setpriv --reuid 65534 --regid 65534 --clear-groups env TMPDIR="$PWD/temporary" sh "$script" fast 2 true
+expect_text out 'skipped: network namespaces cannot be made (this takes root and the ip program): '
+[ -z "$(ls temporary)" ] || fail "a temporary directory is left after a skip"

@@ -88,8 +88,8 @@ host=$(uname -n)
 version=$("$model" --version | cut -d ' ' -f 2)
 calibration()
 {
-    printf '%s\n' quantity,servers,value,unit format,,1, "host,,$1," "version,,$2," d_x,,0.04,cm d_y,,0.03464,cm \
-        L_x,,0.121,cm L_y,,0.121,cm g,,88,byte k,,1e-06,s k_spread,,0,s networks,,1, m,2,1e-09,s/byte \
+    printf '%s\n' quantity,servers,value,unit format,,2, "host,,$1," "version,,$2," d_x,,0.04,cm d_y,,0.03464,cm \
+        L_x,,0.121,cm L_y,,0.121,cm g,,88,byte k,,1e-06,s k_spread,,0,s sizes,,0, networks,,1, m,2,1e-09,s/byte \
         b,2,1e-05,s residual,2,0,s
 }
 calibration "$host" "$version" >dm2-calibration.csv

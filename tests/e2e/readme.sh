@@ -47,3 +47,11 @@ for page in "$readme" "$DM2_SRC"/docs/*.md; do
     done
 done >broken
 [ ! -s broken ] || { cat broken; fail "broken links"; }
+
+# Functions, tests and keywords that docs/physics.md names exist.
+grep -o -E '`[a-z0-9]+(_[a-z0-9]+)+`' "$DM2_SRC/docs/physics.md" | tr -d '`' | LC_ALL=C sort -u >names
+[ "$(wc -l <names)" -gt 40 ] || fail "docs/physics.md names no functions"
+while IFS= read -r name; do
+    [ -e "$DM2_SRC/tests/unit/$name.c" ] || [ -e "$DM2_SRC/tests/e2e/$name.sh" ] ||
+        grep -r -q -w -e "$name" "$DM2_SRC/src" "$DM2_SRC/include" || fail "docs/physics.md has $name, the sources do not"
+done <names

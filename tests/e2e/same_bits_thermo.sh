@@ -25,12 +25,13 @@ for deck in phase-front shear-band heat-rod; do
     done
 done
 
-# Something happened: the phase account of the one and the chemical energy of the other changed.
+# Something happened: elements changed their phase, melted, reacted.
 column()
 {
     awk -F, -v name="$1" 'NR == 1 { for (i = 1; i <= NF; i++) if ($i ~ "^" name " ") at = i }
         NR == 2 { first = $at } END { print (first == $at) ? "same" : "changed" }' "$2"
 }
 [ "$(column phase seq-phase-front/history.csv)" = changed ] || fail "no element changed its phase"
+[ "$(column phase seq-shear-band/history.csv)" = changed ] || fail "nothing melted"
 [ "$(column chemical seq-shear-band/history.csv)" = changed ] || fail "nothing reacted"
 [ "$(column thermal seq-heat-rod/history.csv)" = same ] || fail "heat was lost"

@@ -13,6 +13,9 @@ static struct calibration sample(void)
 {
     struct calibration c = {.perf = perf_paper(), .k_spread = 1.0 / 3e7, .residual = {1e-4, 2e-4, 0}};
     c.perf.k = 1.0 / 3e4;
+    c.perf.size[0] = (struct perf_size){.n = 1689, .alone = 1.0 / 7e4, .shared = 1.0 / 6e4};
+    c.perf.size[1] = (struct perf_size){.n = 10000, .alone = 1.0 / 5e4, .shared = 1.0 / 3e4};
+    c.perf.n_size = 2;
     strcpy(c.host, HOST);
     strcpy(c.version, VERSION);
     return c;
@@ -53,6 +56,12 @@ TEST(written_and_read_again)
     CHECK_SAME_BITS(back.perf.l_y, c.perf.l_y);
     CHECK_SAME_BITS(back.perf.g, c.perf.g);
     CHECK_SAME_BITS(back.k_spread, c.k_spread);
+    CHECK_EQ_INT(back.perf.n_size, 2);
+    for (size_t i = 0; i < 2; i++) {
+        CHECK_SAME_BITS(back.perf.size[i].n, c.perf.size[i].n);
+        CHECK_SAME_BITS(back.perf.size[i].alone, c.perf.size[i].alone);
+        CHECK_SAME_BITS(back.perf.size[i].shared, c.perf.size[i].shared);
+    }
     CHECK_EQ_INT(back.perf.n_network, 3);
     for (size_t i = 0; i < 3; i++) {
         CHECK_EQ_INT(back.perf.network[i].servers, c.perf.network[i].servers);
@@ -101,9 +110,9 @@ TEST(files_that_do_not_read)
 {
     refuse("quantity,servers", "quantity,server", "headings");
     refuse("quantity,servers,value,unit", "quantity,servers,value", "");
-    refuse("format,,1,\n", "", "first row");
-    refuse("format,,1,\n", "format,,2,\n", "a.csv:2: 'format': this dm2 reads format 1");
-    refuse("format,,1,\n", "format,,1,\nformat,,1,\n", "twice");
+    refuse("format,,2,\n", "", "first row");
+    refuse("format,,2,\n", "format,,3,\n", "a.csv:2: 'format': this dm2 reads format 2");
+    refuse("format,,2,\n", "format,,2,\nformat,,2,\n", "twice");
     refuse("version,,1.0.0,\n", "", "'version' is missing");
     refuse("version,,1.0.0,\n", "version,,1.0.0,\nversion,,1.0.0,\n", "twice");
     refuse("version,,1.0.0,\n", "version,,,\n", "no version");
@@ -119,6 +128,15 @@ TEST(files_that_do_not_read)
     refuse("d_x,,0.04,cm\n", "d_z,,0.04,cm\n", "'d_z': is not a quantity");
     refuse("g,,88,byte\n", "g,,0,byte\n", "above 0");
     refuse("k_spread,,", "k_spread,,-", "at least 0");
+    refuse("sizes,,2,\n", "sizes,,3,\n", "k is there for 2 sizes, not for 3");
+    refuse("sizes,,2,\n", "", "'sizes' is missing");
+    refuse("size,,1689,\n", "", "'k_alone': is expected behind its size");
+    refuse("size,,1689,\n", "size,,16890,\n", "do not rise");
+    refuse("size,,1689,\n", "size,,0,\n", "do not rise");
+    refuse("size,,1689,\n", "size,4,1689,\n", "does not depend");
+    refuse("size,,1689,\n", "size,,1689,\nk_alone,,1,s\n", "is there twice");
+    refuse("k_shared,,", "k_shared,,-", "above 0");
+    refuse("k_alone,,", "k_aloof,,", "is not a quantity");
     refuse("m,2,", "m,0,", "number of servers from 1");
     refuse("m,2,", "m,2.5,", "number of servers from 1");
     refuse("m,2,", "m,,", "number of servers from 1");

@@ -100,6 +100,33 @@ static double speedup(double n, double s, int servers)
 }
 
 /* Fig. 14 at n = 100,000, from the equations by hand: T_seq = 33.16 s, p_y = 882.4, p_x = 1197.5. */
+/* Straight in log n between sizes, level beyond them; straight in the number of busy processors. */
+TEST(k_of_a_size)
+{
+    struct perf p = perf_paper();
+    CHECK_SAME_BITS(perf_k_at(&p, 5000, 2, 2), p.k);
+    p.size[0] = (struct perf_size){.n = 1000, .alone = 1, .shared = 2};
+    p.size[1] = (struct perf_size){.n = 100000, .alone = 3, .shared = 8};
+    p.n_size = 2;
+    CHECK_EQ_INT(perf_check(&p, NULL), DM2_OK);
+    CHECK_NEAR(perf_k_at(&p, 10, 1, 2), 1, 1e-15);
+    CHECK_NEAR(perf_k_at(&p, 1000, 1, 2), 1, 1e-15);
+    CHECK_NEAR(perf_k_at(&p, 10000, 1, 2), 2, 1e-12);
+    CHECK_NEAR(perf_k_at(&p, 10000, 2, 2), 5, 1e-12);
+    CHECK_NEAR(perf_k_at(&p, 1e7, 1, 2), 3, 1e-15);
+    CHECK_NEAR(perf_k_at(&p, 1e7, 2, 2), 8, 1e-15);
+    CHECK_NEAR(perf_k_at(&p, 1e7, 3, 5), 5.5, 1e-12);
+    CHECK_NEAR(perf_k_at(&p, 1e7, 9, 5), 8, 1e-15);
+    CHECK_NEAR(perf_k_at(&p, 1e7, 1, 0), 3, 1e-15); /* machines of their own */
+    struct perf faster = perf_faster(&p, 2, 1);
+    CHECK_NEAR(perf_k_at(&faster, 1e7, 2, 2), 4, 1e-15);
+    p.size[1].n = 1000;
+    CHECK_EQ_INT(perf_check(&p, NULL), DM2_USAGE);
+    p.size[1].n = 2000;
+    p.size[1].shared = 0;
+    CHECK_EQ_INT(perf_check(&p, NULL), DM2_USAGE);
+}
+
 TEST(the_papers_speedups)
 {
     const struct perf p = perf_paper();
@@ -240,7 +267,7 @@ TEST(rows_of_the_network)
 }
 
 TEST_MAIN(CASE(equation_7_keeps_n_and_s), CASE(cells_and_the_forms_of_t_seq_and_p), CASE(equation_13),
-          CASE(communication), CASE(networks_between_and_beyond_the_measured_ones), CASE(the_papers_speedups),
+          CASE(communication), CASE(networks_between_and_beyond_the_measured_ones), CASE(k_of_a_size), CASE(the_papers_speedups),
           CASE(thresholds_of_the_aspect_ratio), CASE(high_domains_are_turned_wide_ones),
           CASE(limits_and_monotony), CASE(faster_parts), CASE(constants_that_cannot_be),
           CASE(rows_of_the_network))

@@ -10,6 +10,7 @@ static struct explain_input example(struct explain_server server[2])
     return (struct explain_input){.servers = 2,
                                   .processors = 2,
                                   .t_seq = 10e-3,
+                                  .work = 10e-3,
                                   .m = 1e-8,
                                   .b = 1e-4,
                                   .g = 50,
@@ -83,12 +84,12 @@ TEST(largest_cause_is_named)
     CHECK_STR(explain_cause_name(explain_run(&in).largest), "waiting");
 
     in = example(server);
-    in.t_seq = 8e-3;
+    in.work = 8e-3;
     in.measured = 5.15e-3;
     CHECK_STR(explain_cause_name(explain_run(&in).largest), "computing");
 
     in = example(server); /* faster than predicted: the cause has to be one that takes less */
-    in.t_seq = 12e-3;
+    in.work = 12e-3;
     in.measured = 5.2e-3;
     in.relay = 1e-5;
     e = explain_run(&in);

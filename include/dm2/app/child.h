@@ -13,4 +13,7 @@ char *child_path(const char *argv0, const char *name);
  * status was not 0; what it said went to standard error. */
 enum dm2_status child_run(char *const argv[], int cancel, struct dm2_error *err);
 
+/* The same with `copies` of it at once, argv[k] for each. All are waited for; the first that fails is what counts. */
+enum dm2_status child_run_all(char *const *const argv[], int copies, int cancel, struct dm2_error *err);
+
 #endif

@@ -21,13 +21,16 @@ enum dm2_status prediction_calibration(const char *option, struct calibration *o
 /* The constants for one run. */
 struct prediction_basis {
     double t_seq;      /* s per step */
+    double work;       /* what the servers compute together, s per step */
     double m, b;       /* m_N, b_N */
     int processors;    /* that the servers have together */
     char source[320];  /* where the constants come from, for people */
 };
 
-/* From a calibration: T_seq = k n^2/c with the run's n and c, eq. (11). */
-void prediction_calibrated(const struct calibration *c, const char *path, const struct run_report *r, int processors,
+/* From a calibration: k n^2/c with the run's n and c, eq. (11); T_seq with the k of n elements on one processor, the work
+ * of the servers with that of their part on each of the processors that are busy. `cores`: the processors of the machine
+ * that all servers are on, which share its memory; 0 where each has a machine of its own. */
+void prediction_calibrated(const struct calibration *c, const char *path, const struct run_report *r, int cores,
                            struct prediction_basis *out);
 
 /* From the run itself: T_seq is the processor seconds that its servers computed, together; m and b are of a few round

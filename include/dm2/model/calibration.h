@@ -6,7 +6,7 @@
 #include "dm2/base/status.h"
 #include "dm2/model/equations.h"
 
-enum { CALIBRATION_FORMAT = 1, CALIBRATION_TEXT_MAX = 256, CALIBRATION_BYTES_MAX = 65536 };
+enum { CALIBRATION_FORMAT = 2, CALIBRATION_TEXT_MAX = 256, CALIBRATION_BYTES_MAX = 65536 };
 
 /* In the working directory; the environment's DM2_CALIBRATION names another one. */
 #define CALIBRATION_FILE "dm2-calibration.csv"

@@ -20,7 +20,14 @@ struct perf_network {
     double b;    /* b_N, s */
 };
 
-enum { PERF_NETWORK_MAX = 32 };
+enum { PERF_NETWORK_MAX = 32, PERF_SIZE_MAX = 32 };
+
+/* k as it depends on n through the caches, which eq. (11) does not know: with n elements on one processor. */
+struct perf_size {
+    double n;
+    double alone;  /* while the machine's other processors are idle, s */
+    double shared; /* while all of them compute the same, s */
+};
 
 /* The constants of the model. */
 struct perf {
@@ -30,6 +37,8 @@ struct perf {
     double g;                                      /* bytes that carry an element */
     struct perf_network network[PERF_NETWORK_MAX]; /* by rising `servers` */
     size_t n_network;
+    struct perf_size size[PERF_SIZE_MAX]; /* by rising n; none: k at every n */
+    size_t n_size;
 };
 
 /* The paper's constants: Ultra-10 workstations on 10BaseT. d_x = 0.04, d_y = 0.03464, L_x = L_y = 0.121, g =
@@ -37,7 +46,7 @@ struct perf {
 struct perf perf_paper(void);
 
 /* DM2_USAGE that names the constant: one that is not finite, or not above 0 (m and b: below 0), or outside
- * 1e-30..1e30; no network row, more than one for a number of servers, rows out of order. */
+ * 1e-30..1e30; no network row, more than one for a number of servers, rows out of order; sizes out of order. */
 enum dm2_status perf_check(const struct perf *p, struct dm2_error *err);
 
 /* Sets m (or, with is_b, b) of the row for `servers` servers, adding the row where there is none; what it
@@ -52,6 +61,11 @@ struct perf perf_faster(const struct perf *p, double processors, double network)
  * above the last row both grow with N, as on a link that all servers share; below the first row m shrinks
  * with N and b stays. True where there is a row: measured, not inferred. */
 bool perf_network(const struct perf *p, int servers, double *m, double *b);
+
+/* k for n elements on each of `busy` of `processors` processors that share caches and memory. Between two sizes on the
+ * straight line in log n, beyond the first and the last as there; between one busy processor and all of them on the
+ * straight line in their number. p->k where the constants have no sizes. */
+double perf_k_at(const struct perf *p, double n, int busy, int processors);
 
 /* Eq. (7), of which (5) and (6) are the conditions: n_x n_y = n and d_x n_x / (d_y n_y) = s. */
 double perf_n_x(const struct perf *p, double n, double s); /* columns: sqrt(s d_y/d_x) sqrt(n) */

@@ -1,8 +1,9 @@
 /* A finished run beside the model: what it should have taken, what it took, and where the difference comes from.
  *
- *     predicted  =  T_seq/P  +  m_N g p + b_N                    P: N, or the processors where there are fewer
+ *     predicted  =  W/P  +  m_N g p + b_N                        P: N, or the processors where there are fewer
  *     measured   =  predicted + computing + imbalance + migration + relay + waiting
  *
+ * W is what the servers compute together: T_seq, but for what k owes to caches (perf_k_at).
  * The last line holds exactly: `waiting` is what the others leave. One b_N, not the two of eqs. (18)-(20): here the
  * boundary and the migrants of a step travel in one message. */
 #ifndef DM2_MODEL_EXPLAIN_H
@@ -22,6 +23,7 @@ struct explain_input {
     int servers;    /* N */
     int processors; /* that they have together; N where each has its own */
     double t_seq;   /* s */
+    double work;    /* W, s */
     double m, b;    /* m_N, b_N */
     double g, g_migrant;
     double measured; /* s per step */
@@ -31,7 +33,7 @@ struct explain_input {
 };
 
 enum explain_cause {
-    EXPLAIN_COMPUTING, /* servers computed longer, on average, than T_seq/P says: caches, other programs */
+    EXPLAIN_COMPUTING, /* servers computed longer, on average, than W/P says: other programs, a deck with other costs */
     EXPLAIN_IMBALANCE, /* the one with the most work against the average */
     EXPLAIN_MIGRATION, /* bytes of migrants, and second round trips */
     EXPLAIN_RELAY,     /* packing, unpacking, routing */

@@ -40,24 +40,30 @@ struct lists {
     double *stretch, *spring;
     size_t memory_cap;
     struct bins bins; /* of the last build, where bins served it */
-    /* what the next build gives to its entries: carried pairs by row */
-    struct carried_pair *carried;
+    /* what the next build gives to its entries: the memory of carried pairs, by row */
     uint32_t *rows;
-    size_t carried_cap, rows_cap;
+    double *carried;    /* stretch and spring of each */
+    uint32_t *carried_b; /* behind them: its b, and CARRIED_LINKED */
+    void *carried_own;  /* the block that both lie in, where the room that was lent is too small */
+    size_t carried_own_cap, rows_cap;
 };
+#define CARRIED_LINKED (UINT32_C(1) << 31) /* slots are below 2^31 */
 
 /* Memory is handed over in two passes, so that it needs no room beside its sorted place: start, count every pair by its
- * lower new slot, reserve, then place each of them (a pair may come twice with the same memory). start and reserve: 0,
- * or -1 without memory. */
+ * lower new slot, reserve, then place each of them (a pair may come twice with the same memory). `room` is lent until the
+ * lists are built, `bytes` aligned for doubles: 20 bytes a pair are enough. start and reserve: 0, or -1 without memory. */
 int lists_carry_start(struct lists *lists, size_t n_own);
 static inline void lists_carry_count(struct lists *lists, uint32_t a)
 {
     lists->rows[a + 2]++;
 }
-int lists_carry_reserve(struct lists *lists, size_t n_own);
+int lists_carry_reserve(struct lists *lists, size_t n_own, void *room, size_t bytes);
 static inline void lists_carry_place(struct lists *lists, uint32_t a, struct carried_pair pair)
 {
-    lists->carried[lists->rows[a + 1]++] = pair;
+    size_t at = lists->rows[a + 1]++;
+    lists->carried[2 * at] = pair.stretch;
+    lists->carried[2 * at + 1] = pair.spring;
+    lists->carried_b[at] = pair.b | (pair.linked ? CARRIED_LINKED : 0u);
 }
 
 /* Builds both lists for the elements of p, which are in cell order, and gives the new entries what was carried (the calls

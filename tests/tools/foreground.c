@@ -1,0 +1,18 @@
+/* foreground COMMAND [ARGUMENT...]: the command as a terminal starts it: in a process group of its own, whose id is its own,
+ * and with Ctrl-C not ignored. A shell's background command has neither where the shell has no terminal, so that
+ * kill -INT -PID could not stand for Ctrl-C. */
+#include <errno.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+int main(int argc, char **argv)
+{
+    if (argc < 2)
+        return 2;
+    if (setpgid(0, 0) == 0 && signal(SIGINT, SIG_DFL) != SIG_ERR && signal(SIGQUIT, SIG_DFL) != SIG_ERR)
+        (void)execvp(argv[1], argv + 1);
+    (void)fprintf(stderr, "foreground: %s: %s\n", argv[1], strerror(errno));
+    return 127;
+}
