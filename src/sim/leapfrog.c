@@ -191,7 +191,7 @@ static inline double drift_all(const struct model *m, struct particles *p, doubl
         if (near) {
             p->w[i] += k.dw;
             p->heat[i] += k.heat_now + k.heat_damped;
-            particles_warm(p, m, i);
+            particles_warm(p, m, i, 1.0 / p->mass[i]);
         }
         fastest2 = speed2 > fastest2 ? speed2 : fastest2;
     }
