@@ -607,7 +607,7 @@ static enum dm2_status exchange_step(struct session *s, struct step_message *m, 
             return dm2_fail(err, DM2_PROTOCOL, "the client asks for a rebuild of step %lld, which was one",
                             (long long)m->step);
         m->rebuild = true;
-        m->measured = m->hashed = false;
+        m->measured = m->hashed = m->surveyed = false;
         status = send_step(s, m, err);
         if (status == DM2_OK)
             status = get_next(s, m->step, &next, &r, err);
@@ -639,6 +639,9 @@ static enum dm2_status step(struct session *s, int64_t n, struct next_message *a
         status = send_profiles(s, err);
     if (status == DM2_OK)
         status = subdomain_move(s->sd, &m.dmax, measure ? &m.measures : NULL, err);
+    m.surveyed = asked->survey_next;
+    if (status == DM2_OK && m.surveyed)
+        subdomain_survey(s->sd, &m.spread);
     m.hashed = every > 0 && (m.step % every == 0 || m.step == s->config.steps);
     if (status == DM2_OK && m.hashed)
         status = state_hash_subdomain(s->sd, &m.hash, err);
