@@ -29,8 +29,6 @@ struct sequence {
     struct rebuild_plan plan;
     struct parcel parcel;
     int64_t every; /* steps between checkpoints; 0: none */
-    struct element *elements; /* room for a state */
-    struct element_measure *measured;
     struct profile_bin *bins; /* room for a profile */
     struct run_report report;
     struct server_report server;
@@ -38,29 +36,43 @@ struct sequence {
 
 enum purpose { SNAPSHOT, CHECKPOINT, FINAL };
 
-/* Collects the present state and hands it to the results. */
-static enum dm2_status write_state(struct sequence *s, enum purpose purpose, struct dm2_error *err)
+static enum dm2_status write_final(void *context, const struct state_view *state, struct dm2_error *err)
 {
-    struct pair_record *pairs = NULL;
+    return results_final(context, state, err);
+}
+
+static enum dm2_status write_checkpoint(void *context, const struct state_view *state, struct dm2_error *err)
+{
+    return results_checkpoint(context, state, err);
+}
+
+/* Collects the present state, measured, and hands it to the results. */
+static enum dm2_status write_snapshot(struct sequence *s, struct dm2_error *err)
+{
     size_t n = subdomain_owned(s->sd), n_pairs = 0;
-    double started = clock_now();
-    if (s->elements == NULL) {
-        s->elements = mem_alloc(n, sizeof *s->elements);
-        s->measured = mem_alloc(n, sizeof *s->measured);
-        if (s->elements == NULL || s->measured == NULL)
-            return dm2_fail(err, DM2_MEMORY, "no memory to collect the state of %zu elements", n);
-    }
-    enum dm2_status status = subdomain_collect(s->sd, s->elements, purpose == SNAPSHOT ? s->measured : NULL, err);
+    struct pair_record *pairs = NULL;
+    struct element *elements = mem_alloc(n, sizeof *elements);
+    struct element_measure *measured = mem_alloc(n, sizeof *measured);
+    enum dm2_status status = DM2_OK;
+    if (elements == NULL || measured == NULL)
+        status = dm2_fail(err, DM2_MEMORY, "no memory to collect the state of %zu elements", n);
+    if (status == DM2_OK)
+        status = subdomain_collect(s->sd, elements, measured, err);
     if (status == DM2_OK)
         status = subdomain_collect_pairs(s->sd, &pairs, &n_pairs, err);
-    int64_t step = subdomain_step(s->sd);
-    if (status == DM2_OK && purpose == FINAL)
-        status = results_final(s->results, step, s->elements, n, pairs, n_pairs, err);
-    else if (status == DM2_OK && purpose == CHECKPOINT)
-        status = results_checkpoint(s->results, step, s->elements, n, pairs, n_pairs, err);
-    else if (status == DM2_OK)
-        status = results_snapshot(s->results, step, s->elements, s->measured, n, pairs, n_pairs, err);
+    if (status == DM2_OK)
+        status = results_snapshot(s->results, subdomain_step(s->sd), elements, measured, n, pairs, n_pairs, err);
     free(pairs);
+    free(measured);
+    free(elements);
+    return status;
+}
+
+static enum dm2_status write_state(struct sequence *s, enum purpose purpose, struct dm2_error *err)
+{
+    double started = clock_now();
+    enum dm2_status status = purpose == SNAPSHOT ? write_snapshot(s, err)
+                             : subdomain_write(s->sd, purpose == FINAL ? write_final : write_checkpoint, s->results, err);
     s->report.output += clock_now() - started;
     return status;
 }
@@ -248,8 +260,6 @@ static enum dm2_status run_all(struct sequence *s, const struct decomposition *d
             print_summary(s, directory);
     }
     subdomain_free(s->sd);
-    free(s->elements);
-    free(s->measured);
     free(s->bins);
     return status;
 }
@@ -277,7 +287,7 @@ int main(int argc, char **argv)
     struct run_options options;
     struct option table[RUN_OPTIONS];
     struct dm2_error err = {0};
-    run_options_start(&options, PROGRAM, table);
+    run_options_start(&options, PROGRAM, argc, argv, table);
     enum dm2_status status = options_parse(table, RUN_OPTIONS, argc, argv, &options.operands, &err);
     if (status == DM2_OK && options.help) {
         (void)printf("usage: %s DECK [options]\nRuns a deck in this one process.\n\n", PROGRAM);

@@ -594,9 +594,11 @@ static bool starting_state(const struct client *c, struct state_view *out)
     const struct state_merge *m = &course->copy;
     const struct state *s = c->job->start;
     if (course->copy_step >= 0)
-        *out = (struct state_view){NULL, course->copy_step, m->elements, m->n_seen, m->pairs, m->n_pairs};
+        *out = (struct state_view){.step = course->copy_step, .elements = m->elements, .n_elements = m->n_seen,
+                                    .pairs = m->pairs, .n_pairs = m->n_pairs};
     else if (s != NULL)
-        *out = (struct state_view){s->digest, s->step, s->elements, s->n_elements, s->pairs, s->n_pairs};
+        *out = (struct state_view){.digest = s->digest, .step = s->step, .elements = s->elements,
+                                    .n_elements = s->n_elements, .pairs = s->pairs, .n_pairs = s->n_pairs};
     return course->copy_step >= 0 || s != NULL;
 }
 
@@ -762,8 +764,8 @@ static enum dm2_status send_next(struct client *c, struct next_message m, bool s
 static enum dm2_status write_checkpoint(struct client *c, struct dm2_error *err)
 {
     const struct state_merge *m = &c->course->copy;
-    return results_checkpoint(c->job->results, c->course->copy_step, m->elements, m->n_seen, m->pairs, m->n_pairs,
-                              err);
+    return results_checkpoint(c->job->results, &(struct state_view){.step = c->course->copy_step, .elements = m->elements,
+                              .n_elements = m->n_seen, .pairs = m->pairs, .n_pairs = m->n_pairs}, err);
 }
 
 static void expect_state(struct client *c, struct compilation *state, bool due, int64_t step)
@@ -804,7 +806,8 @@ static enum dm2_status write_state(struct client *c, struct compilation *state, 
     if (state == &c->copy)
         return keep_copy(c, err);
     if (state == &c->final)
-        return results_final(c->job->results, state->step, m->elements, m->n_seen, m->pairs, m->n_pairs, err);
+        return results_final(c->job->results, &(struct state_view){.step = state->step, .elements = m->elements,
+                             .n_elements = m->n_seen, .pairs = m->pairs, .n_pairs = m->n_pairs}, err);
     return results_snapshot(c->job->results, state->step, m->elements, m->measured, m->n_seen, m->pairs,
                             m->n_pairs, err);
 }
@@ -1241,7 +1244,8 @@ static void leave_checkpoint(const struct client_job *job, struct course *course
 {
     const struct state_merge *m = &course->copy;
     if (status != DM2_IO && course->copy_step > results_checkpoint_step(job->results))
-        (void)results_checkpoint(job->results, course->copy_step, m->elements, m->n_seen, m->pairs, m->n_pairs, NULL);
+        (void)results_checkpoint(job->results, &(struct state_view){.step = course->copy_step, .elements = m->elements,
+                                 .n_elements = m->n_seen, .pairs = m->pairs, .n_pairs = m->n_pairs}, NULL);
 }
 
 enum dm2_status client_run(const struct client_job *job, const struct client_options *options,

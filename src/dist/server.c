@@ -21,6 +21,7 @@
 #include "dm2/base/hmac.h"
 #include "dm2/base/mem.h"
 #include "dm2/dist/exchange.h"
+#include "dm2/dist/lobby.h"
 #include "dm2/dist/messages.h"
 #include "dm2/dist/state_parts.h"
 #include "dm2/sim/deck_digest.h"
@@ -32,6 +33,7 @@ static const double HANG_UP_SECONDS = 2.0; /* for a peer to read our last messag
 
 struct session {
     const struct server_options *options;
+    struct lobby *lobby; /* looked after while the client is waited for; NULL: none */
     struct session_summary *summary;
     struct channel channel;
     bool admitted; /* the client has the key, or none is needed */
@@ -80,12 +82,28 @@ static enum dm2_status check_type(const struct frame *f, enum message_type type,
                     message_name((uint8_t)type, name[1]));
 }
 
+/* Waits for a message, and meanwhile looks after those who stand outside. */
+static enum dm2_status receive(struct session *s, uint32_t limit, struct deadline until, struct frame *f,
+                               struct dm2_error *err)
+{
+    bool complete = false;
+    enum dm2_status status = DM2_OK;
+    if (s->lobby != NULL && channel_pending(&s->channel))
+        status = channel_receive_some(&s->channel, limit, &complete, f, err);
+    while (status == DM2_OK && !complete) {
+        if (s->lobby == NULL || !lobby_wait(s->lobby, s->channel.fd, until))
+            return channel_receive(&s->channel, limit, until, f, err); /* which also says why there is nothing */
+        status = channel_receive_some(&s->channel, limit, &complete, f, err);
+    }
+    return status;
+}
+
 /* Waits for a message of this type. */
 static enum dm2_status expect(struct session *s, enum message_type type, uint32_t limit,
                               struct deadline until, struct bytes_reader *out, struct dm2_error *err)
 {
     struct frame f;
-    enum dm2_status status = channel_receive(&s->channel, limit, until, &f, err);
+    enum dm2_status status = receive(s, limit, until, &f, err);
     return status == DM2_OK ? check_type(&f, type, out, err) : status;
 }
 
@@ -285,7 +303,7 @@ static enum dm2_status expect_deck(struct session *s, struct bytes_reader *out, 
     struct frame f;
     enum dm2_status status;
     for (;;) {
-        status = channel_receive(&s->channel, LIMIT_DECK, patience(s), &f, err);
+        status = receive(s, LIMIT_DECK, patience(s), &f, err);
         if (status != DM2_OK || f.type != MESSAGE_ECHO)
             break;
         s->summary->measured = f.length == 0;
@@ -709,12 +727,15 @@ static enum dm2_status serve_run(struct session *s, struct dm2_error *err)
     return status == DM2_OK ? finish(s, err) : status;
 }
 
-enum dm2_status server_session(int fd, const char *peer, const struct server_options *options,
-                               struct session_summary *summary, struct dm2_error *err)
+/* server_session, with those who come meanwhile; lobby may be NULL. */
+static enum dm2_status serve_client(int fd, const char *peer, const struct server_options *options,
+                                    struct lobby *lobby, struct session_summary *summary, struct dm2_error *err)
 {
-    struct session s = {.options = options, .summary = summary, .timeout = options->timeout};
+    struct session s = {.options = options, .lobby = lobby, .summary = summary, .timeout = options->timeout};
     double start = clock_now();
     *summary = (struct session_summary){.rank = -1};
+    if (lobby != NULL)
+        lobby->business = (struct lobby_business){.peer = peer, .since = start, .session = summary};
     channel_open(&s.channel, fd, PROTOCOL_VERSION, peer);
     enum dm2_status status = shake_hands(&s, err);
     if (status == DM2_OK)
@@ -728,6 +749,12 @@ enum dm2_status server_session(int fd, const char *peer, const struct server_opt
     free_session(&s);
     summary->seconds = clock_now() - start;
     return status;
+}
+
+enum dm2_status server_session(int fd, const char *peer, const struct server_options *options,
+                               struct session_summary *summary, struct dm2_error *err)
+{
+    return serve_client(fd, peer, options, NULL, summary, err);
 }
 
 static void log_session(const struct session_summary *sum, enum dm2_status status,
@@ -750,45 +777,29 @@ static void log_session(const struct session_summary *sum, enum dm2_status statu
     log(context, status == DM2_OK ? SERVER_DONE : SERVER_FAILED, peer, line);
 }
 
-/* Says no as far as that goes without waiting. */
-static void refuse_address(int fd, const char *peer)
-{
-    struct channel ch;
-    struct error_message m = {.status = DM2_PROTOCOL, .text = REFUSAL_TEXT};
-    struct bytes_writer out = {0};
-    message_put_error(&out, &m);
-    channel_open(&ch, fd, PROTOCOL_VERSION, peer);
-    if (!out.failed)
-        (void)channel_send(&ch, MESSAGE_ERROR, 0, out.data, out.length, deadline_in(0, -1), NULL);
-    channel_hang_up(&ch, deadline_in(0, -1));
-    bytes_free(&out);
-}
-
 enum dm2_status server_serve(int listener, const struct server_options *options, bool once, server_log log,
                              void *context, struct dm2_error *err)
 {
     const double for_ever = 1e9;
-    for (;;) {
+    enum dm2_status status = DM2_OK;
+    struct lobby lobby;
+    lobby_open(&lobby, listener, options, log, context);
+    for (bool over = false; !over;) {
         int fd = -1;
         char peer[SOCKET_NAME];
-        struct deadline until = deadline_in(once ? options->timeout : for_ever, options->cancel);
-        enum dm2_status status = socket_accept(listener, until, &fd, peer, err);
-        if (status == DM2_TIMEOUT && once)
-            return dm2_fail(err, DM2_TIMEOUT, "no client came within %g s", options->timeout);
-        if (status != DM2_OK && status != DM2_TIMEOUT)
-            return status;
-        if (fd < 0)
-            continue;
-        if (options->allow != NULL && !allow_peer(options->allow, fd)) {
-            refuse_address(fd, peer);
-            log(context, SERVER_FAILED, peer, "refused: its address is not among those of --allow");
-            continue;
-        }
         struct session_summary summary;
+        status = lobby_next(&lobby, deadline_in(once ? options->timeout : for_ever, options->cancel), &fd, peer, err);
+        if (status == DM2_TIMEOUT && !once)
+            continue;
+        if (status == DM2_TIMEOUT)
+            status = dm2_fail(err, DM2_TIMEOUT, "no client came within %g s", options->timeout);
+        if (status != DM2_OK)
+            break;
         log(context, SERVER_CONNECTED, peer, "connected");
-        status = server_session(fd, peer, options, &summary, err);
+        status = serve_client(fd, peer, options, &lobby, &summary, err);
         log_session(&summary, status, err, log, context, peer);
-        if (once || status == DM2_INTERRUPTED)
-            return status;
+        over = once || status == DM2_INTERRUPTED;
     }
+    lobby_close(&lobby);
+    return status;
 }

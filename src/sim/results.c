@@ -514,15 +514,21 @@ enum dm2_status results_snapshot(struct results *r, int64_t step, const struct e
     return status;
 }
 
-enum dm2_status results_final(struct results *r, int64_t step, const struct element *elements,
-                              size_t n_elements, const struct pair_record *pairs, size_t n_pairs,
-                              struct dm2_error *err)
+/* The state as one of this run. */
+static enum dm2_status write_state(const struct results *r, const char *path, const struct state_view *state,
+                                   struct dm2_error *err)
+{
+    struct state_view s = *state;
+    s.digest = r->digest;
+    return state_write(path, &s, err);
+}
+
+enum dm2_status results_final(struct results *r, const struct state_view *state, struct dm2_error *err)
 {
     char *path = text_join(r->directory, "/", "final.dm2");
     if (path == NULL)
         return no_memory(err);
-    const struct state_view s = {r->digest, step, elements, n_elements, pairs, n_pairs};
-    enum dm2_status status = state_write(path, &s, err);
+    enum dm2_status status = write_state(r, path, state, err);
     free(path);
     return status;
 }
@@ -764,23 +770,20 @@ static enum dm2_status sync_tables(struct results *r, struct dm2_error *err)
     return status;
 }
 
-enum dm2_status results_checkpoint(struct results *r, int64_t step, const struct element *elements,
-                                   size_t n_elements, const struct pair_record *pairs, size_t n_pairs,
-                                   struct dm2_error *err)
+enum dm2_status results_checkpoint(struct results *r, const struct state_view *state, struct dm2_error *err)
 {
-    const struct state_view s = {r->digest, step, elements, n_elements, pairs, n_pairs};
     char *now = text_join(r->directory, "/", "checkpoint.dm2");
     char *next = text_join(r->directory, "/", "checkpoint.next.dm2");
     char *before = text_join(r->directory, "/", "checkpoint.prev.dm2");
     enum dm2_status status = now == NULL || next == NULL || before == NULL ? no_memory(err) : sync_tables(r, err);
     if (status == DM2_OK)
-        status = state_write(next, &s, err);
+        status = write_state(r, next, state, err);
     if (status == DM2_OK && access(now, F_OK) == 0)
         status = file_rename(now, before, err);
     if (status == DM2_OK)
         status = file_rename(next, now, err);
     if (status == DM2_OK)
-        r->checkpoint_step = step;
+        r->checkpoint_step = state->step;
     free(now);
     free(next);
     free(before);

@@ -92,13 +92,26 @@ static void drain(struct encoder *e, size_t threshold)
 static void encode(struct encoder *e, const struct state_view *s)
 {
     put_header(&e->bytes, s);
+    bool given = s->elements == NULL && s->element != NULL;
+    struct element element;
+    struct pair_record pair;
+    uint32_t before = 0;
     for (size_t i = 0; i < s->n_elements; i++) {
-        assert(i == 0 || s->elements[i - 1].id < s->elements[i].id);
-        put_element(&e->bytes, &s->elements[i]);
+        if (given)
+            s->element(s->records, i, &element);
+        else
+            element = s->elements[i];
+        assert(i == 0 || before < element.id);
+        before = element.id;
+        put_element(&e->bytes, &element);
         drain(e, BLOCK_BYTES);
     }
     for (size_t i = 0; i < s->n_pairs; i++) {
-        put_pair(&e->bytes, &s->pairs[i]);
+        if (given)
+            s->pair(s->records, i, &pair);
+        else
+            pair = s->pairs[i];
+        put_pair(&e->bytes, &pair);
         drain(e, BLOCK_BYTES);
     }
     drain(e, 1);

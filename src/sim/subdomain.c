@@ -24,6 +24,7 @@
 #include "dm2/sim/lists.h"
 #include "dm2/sim/phase.h"
 #include "dm2/sim/reaction.h"
+#include "dm2/sim/state_reader.h"
 #include "dm2/sim/strain.h"
 
 /* A block that is kept from rebuild to rebuild: getting a large one anew costs more than filling it. */
@@ -899,66 +900,60 @@ enum dm2_status subdomain_take_in(struct subdomain *sd, const struct parcel *par
 enum dm2_status subdomain_collect(const struct subdomain *sd, struct element *elements,
                                   struct element_measure *measured, struct dm2_error *err)
 {
-    const struct particles *p = &sd->p;
-    uint32_t *order = mem_alloc(p->n_own, sizeof *order);
-    if (order == NULL)
-        return no_memory(sd, err);
-    for (size_t i = 0; i < p->n_own; i++)
-        order[i] = (uint32_t)i;
-    if (sort_slots_by_id(p, order, p->n_own) != 0) {
-        free(order);
-        return no_memory(sd, err);
-    }
-    for (size_t k = 0; k < p->n_own; k++) {
-        size_t i = order[k];
-        particles_get(p, i, &elements[k]);
+    struct state_reader reader;
+    enum dm2_status status = state_reader_open(&reader, &sd->p, &sd->lists, false, err);
+    for (size_t k = 0; k < reader.n_elements; k++) {
+        state_reader_element(&reader, k, &elements[k]);
         if (measured == NULL)
             continue;
         double w;
+        size_t i = reader.slot[k];
         struct element_measure *out = &measured[k];
-        leapfrog_stress(sd->model, p, i, out->stress);
-        leapfrog_whole_velocity(sd->model, p, i, sd->step, out->velocity, &w);
-        out->temperature = particles_temperature(p, sd->model, i);
-        out->links = particles_links(p, i);
-        out->contacts = particles_contacts(p, i);
+        leapfrog_stress(sd->model, &sd->p, i, out->stress);
+        leapfrog_whole_velocity(sd->model, &sd->p, i, sd->step, out->velocity, &w);
+        out->temperature = particles_temperature(&sd->p, sd->model, i);
+        out->links = particles_links(&sd->p, i);
+        out->contacts = particles_contacts(&sd->p, i);
     }
-    free(order);
-    return DM2_OK;
-}
-
-static int by_ids(const void *a, const void *b)
-{
-    const struct pair_record *pa = a, *pb = b;
-    if (pa->id_a != pb->id_a)
-        return pa->id_a < pb->id_a ? -1 : 1;
-    return pa->id_b < pb->id_b ? -1 : pa->id_b > pb->id_b;
+    state_reader_free(&reader);
+    return status;
 }
 
 enum dm2_status subdomain_collect_pairs(const struct subdomain *sd, struct pair_record **pairs, size_t *n_pairs,
                                         struct dm2_error *err)
 {
-    const struct lists *l = &sd->lists;
-    const struct particles *p = &sd->p;
-    struct pair_array out = {0};
-    for (size_t i = 0; i < p->n_own; i++) {
-        for (uint32_t k = l->near.start[i]; k < l->near.start[i + 1]; k++) {
-            size_t j = l->near.j[k];
-            if (!lists_remembers(l, k) || (j >= p->n_own && p->id[j] < p->id[i]))
-                continue;
-            bool ordered = p->id[i] < p->id[j];
-            struct pair_record pair = {.id_a = ordered ? p->id[i] : p->id[j], .id_b = ordered ? p->id[j] : p->id[i],
-                                       .linked = l->linked[k], .stretch = l->stretch[k], .spring = l->spring[k]};
-            if (add_pair(&out, &pair) != 0) {
-                free(out.item);
-                return no_memory(sd, err);
-            }
-        }
-    }
-    if (out.n > 0)
-        qsort(out.item, out.n, sizeof *out.item, by_ids);
-    *pairs = out.item;
-    *n_pairs = out.n;
-    return DM2_OK;
+    struct state_reader reader;
+    enum dm2_status status = state_reader_open(&reader, &sd->p, &sd->lists, true, err);
+    *n_pairs = reader.n_pairs;
+    *pairs = status == DM2_OK ? mem_alloc(reader.n_pairs, sizeof **pairs) : NULL;
+    if (status == DM2_OK && *pairs == NULL)
+        status = no_memory(sd, err);
+    for (size_t k = 0; status == DM2_OK && k < reader.n_pairs; k++)
+        state_reader_pair(&reader, k, &(*pairs)[k]);
+    state_reader_free(&reader);
+    return status;
+}
+
+static void read_element(const void *context, size_t k, struct element *out)
+{
+    state_reader_element(context, k, out);
+}
+
+static void read_pair(const void *context, size_t k, struct pair_record *out)
+{
+    state_reader_pair(context, k, out);
+}
+
+enum dm2_status subdomain_write(const struct subdomain *sd, subdomain_writer write, void *context, struct dm2_error *err)
+{
+    struct state_reader reader;
+    enum dm2_status status = state_reader_open(&reader, &sd->p, &sd->lists, true, err);
+    const struct state_view view = {.step = sd->step, .n_elements = reader.n_elements, .n_pairs = reader.n_pairs,
+                                    .records = &reader, .element = read_element, .pair = read_pair};
+    if (status == DM2_OK)
+        status = write(context, &view, err);
+    state_reader_free(&reader);
+    return status;
 }
 
 void subdomain_take_times(struct subdomain *sd, struct subdomain_times *out)

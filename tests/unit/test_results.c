@@ -119,7 +119,8 @@ TEST(whole_run)
     CHECK_EQ_INT(results_snapshot(r, 0, f.elements, f.measured, f.n, f.pairs, f.n_pairs, &err), DM2_OK);
     CHECK_EQ_INT(results_history(r, 200, &m, &err), DM2_OK);
     CHECK_EQ_INT(results_snapshot(r, 200, f.elements, f.measured, f.n, f.pairs, f.n_pairs, &err), DM2_OK);
-    CHECK_EQ_INT(results_final(r, 200, f.elements, f.n, f.pairs, f.n_pairs, &err), DM2_OK);
+    CHECK_EQ_INT(results_final(r, &(struct state_view){.step = 200, .elements = f.elements, .n_elements = f.n, .pairs = f.pairs,
+                                                         .n_pairs = f.n_pairs}, &err), DM2_OK);
     CHECK_EQ_INT(results_text(r, "run.log", "first\n", 6, &err), DM2_OK);
     CHECK_EQ_INT(results_text(r, "run.log", "log\n", 4, &err), DM2_OK);
     CHECK_EQ_INT(results_text(r, "timing.csv", "a\n", 2, &err), DM2_OK);
@@ -337,7 +338,8 @@ TEST(full_disk)
     snprintf(path, sizeof path, "%s: cannot write: File too large",
              scratch_path("disk/snapshots/state-000000007.vtp"));
     CHECK_STR(err.text, path);
-    CHECK_EQ_INT(results_final(r, 7, f.elements, f.n, f.pairs, f.n_pairs, &err), DM2_IO);
+    CHECK_EQ_INT(results_final(r, &(struct state_view){.step = 7, .elements = f.elements, .n_elements = f.n, .pairs = f.pairs,
+                                                         .n_pairs = f.n_pairs}, &err), DM2_IO);
     CHECK_CONTAINS(err.text, "disk/final.dm2: cannot write: File too large");
     f.config.output.vtp = false;
     CHECK_EQ_INT(results_snapshot(r, 7, f.elements, f.measured, f.n, f.pairs, f.n_pairs, &err), DM2_IO);
@@ -365,7 +367,8 @@ TEST(directory_that_cannot_be_written)
     CHECK_CONTAINS(err.text, "/proc/nowhere: cannot make the directory");
     r = open_results(&f, "moved", false);
     CHECK_EQ_INT(rename(scratch_path("moved"), scratch_path("elsewhere")), 0);
-    CHECK_EQ_INT(results_final(r, 1, f.elements, f.n, f.pairs, f.n_pairs, &err), DM2_IO);
+    CHECK_EQ_INT(results_final(r, &(struct state_view){.step = 1, .elements = f.elements, .n_elements = f.n, .pairs = f.pairs,
+                                                         .n_pairs = f.n_pairs}, &err), DM2_IO);
     CHECK_CONTAINS(err.text, "moved/final.dm2: cannot create: No such file or directory");
     CHECK_EQ_INT(results_close(r, &err), DM2_IO);
     CHECK_CONTAINS(err.text, "moved/history.csv: cannot rename its .part file: No such file or directory");

@@ -222,7 +222,7 @@ TEST(scanners_and_noise)
             noise[i] = (unsigned char)random_bits(2, k, i);
         if (k % 2 == 0) { /* a header that is good as far as its length, or nearly so */
             const struct frame_header h = {.version = PROTOCOL_VERSION,
-                                           .type = noise[6] % 24,
+                                           .type = noise[6] % 27,
                                            .length = k % 4 == 0 ? AUTH_NONCE : noise[8]};
             frame_header_encode(&h, noise);
         }
@@ -279,6 +279,25 @@ TEST(a_recorded_handshake_is_refused)
         channel_close(&ch);
     }
     CHECK(memcmp(first.server, second.server, AUTH_NONCE) != 0);
+    (void)visit();
+}
+
+/* Who asks for the status and who wants a session prove the key in different words: one cannot be made of the other. */
+TEST(a_code_for_another_purpose_is_refused)
+{
+    for (int k = 0; k < 2; k++) {
+        struct auth_nonces nonces = {{0}, {0}};
+        unsigned char code[AUTH_CODE];
+        struct channel ch;
+        channel_open(&ch, connected(), PROTOCOL_VERSION, "the server");
+        CHECK_EQ_INT(channel_send(&ch, k == 0 ? MESSAGE_STATUS : MESSAGE_KNOCK, 0, nonces.client, AUTH_NONCE, soon(), NULL),
+                     DM2_OK);
+        CHECK(take(&ch, MESSAGE_CHALLENGE, nonces.server, AUTH_NONCE));
+        auth_code(&KEY, k == 0 ? AUTH_CLIENT : AUTH_ASKER, PROTOCOL_VERSION, &nonces, code);
+        CHECK_EQ_INT(channel_send(&ch, MESSAGE_PROOF, 0, code, AUTH_CODE, soon(), NULL), DM2_OK);
+        CHECK(!take(&ch, MESSAGE_GRANT, code, AUTH_CODE));
+        channel_close(&ch);
+    }
     (void)visit();
 }
 
@@ -360,6 +379,7 @@ static void run_started(void)
     start_server();
     test_scanners_and_noise();
     test_slow_strangers_are_cut_off();
+    test_a_code_for_another_purpose_is_refused();
     test_another_key_is_refused();
     test_a_recorded_handshake_is_refused();
     test_a_reflected_code_is_refused();

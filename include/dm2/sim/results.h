@@ -32,6 +32,7 @@
 #include "dm2/sim/element.h"
 #include "dm2/sim/measures.h"
 #include "dm2/sim/profile.h"
+#include "dm2/sim/state.h"
 
 struct results;
 
@@ -60,10 +61,8 @@ enum dm2_status results_continue(const char *directory, bool overwrite, const ch
                                  struct dm2_error *err);
 
 /* Brings the tables to disk, then writes the state as checkpoint.dm2 and keeps the one before as
- * checkpoint.prev.dm2. Rows up to step - 1 must have been added. */
-enum dm2_status results_checkpoint(struct results *r, int64_t step, const struct element *elements,
-                                   size_t n_elements, const struct pair_record *pairs, size_t n_pairs,
-                                   struct dm2_error *err);
+ * checkpoint.prev.dm2. Rows up to its step - 1 must have been added. The file's digest is the run's. */
+enum dm2_status results_checkpoint(struct results *r, const struct state_view *state, struct dm2_error *err);
 
 /* The step of the newest checkpoint in the directory that this run wrote or continues from; -1: none. */
 int64_t results_checkpoint_step(const struct results *r);
@@ -105,10 +104,8 @@ enum dm2_status results_snapshot(struct results *r, int64_t step, const struct e
                                  const struct element_measure *measured, size_t n_elements,
                                  const struct pair_record *pairs, size_t n_pairs, struct dm2_error *err);
 
-/* Writes final.dm2. Arrays as above. */
-enum dm2_status results_final(struct results *r, int64_t step, const struct element *elements,
-                              size_t n_elements, const struct pair_record *pairs, size_t n_pairs,
-                              struct dm2_error *err);
+/* Writes final.dm2, with the run's digest. */
+enum dm2_status results_final(struct results *r, const struct state_view *state, struct dm2_error *err);
 
 /* Writes or replaces a text of the run: `name` is "run.log" or "timing.csv". */
 enum dm2_status results_text(struct results *r, const char *name, const char *text, size_t length,

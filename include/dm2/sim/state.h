@@ -35,7 +35,7 @@ struct state {
     size_t n_pairs;
 };
 
-/* The same for a writer: everything borrowed. */
+/* The same for a writer: everything borrowed. Where `elements` is NULL, the two functions give the records. */
 struct state_view {
     const uint8_t *digest; /* STATE_DIGEST_BYTES */
     int64_t step;
@@ -43,6 +43,9 @@ struct state_view {
     size_t n_elements;
     const struct pair_record *pairs;
     size_t n_pairs;
+    const void *records;
+    void (*element)(const void *records, size_t k, struct element *out);
+    void (*pair)(const void *records, size_t k, struct pair_record *out);
 };
 
 /* Writes the state to `path`, atomically. Elements and pairs in the order above. DM2_IO, DM2_MEMORY. */

@@ -31,6 +31,7 @@
 #include "dm2/sim/measures.h"
 #include "dm2/sim/model.h"
 #include "dm2/sim/profile.h"
+#include "dm2/sim/state.h"
 
 struct subdomain;
 
@@ -138,6 +139,11 @@ enum dm2_status subdomain_collect(const struct subdomain *sd, struct element *el
 /* The pairs with memory whose lower id is owned, sorted by (id_a, id_b). *pairs is malloc'd for the caller. */
 enum dm2_status subdomain_collect_pairs(const struct subdomain *sd, struct pair_record **pairs, size_t *n_pairs,
                                         struct dm2_error *err);
+
+/* Hands the state of the owned elements to `write`, record by record (state_view's functions), so that a whole state never
+ * exists twice. What `write` returns, or DM2_MEMORY. */
+typedef enum dm2_status (*subdomain_writer)(void *context, const struct state_view *state, struct dm2_error *err);
+enum dm2_status subdomain_write(const struct subdomain *sd, subdomain_writer write, void *context, struct dm2_error *err);
 
 /* Seconds spent since the last call of this function, by phase. */
 struct subdomain_times {
