@@ -8,7 +8,7 @@
 #
 # SIZES, RUNS and STEPS in the environment shorten the measuring. *-paper.svg are computed from the paper's constants,
 # *-here.svg are measured on this machine, with the model dashed, *-emulated.svg come from scripts/emulated-study.sh, and
-# 9 to 12 are pictures of runs (scripts/pictures.sh).
+# 9 to 12 are pictures of runs.
 set -eu
 
 bin=${DM2_BIN:-bin}
@@ -51,6 +51,7 @@ measure()
         -o "$work/runs" --csv >"$work/compare.csv"
     mv "$work/netbench.csv" "$work/compare.csv" "$to"
     measure_search
+    note_conditions emulated
     status=0
     (unset STEPS; [ -z "${SIZES:-}" ] || export LARGEST=; sh "${0%/*}/emulated-study.sh") || status=$?
     [ "$status" -eq 0 ] || [ "$status" -eq 77 ] || exit "$status" # 77: no rights; it has said why, and the old table stays
@@ -159,6 +160,51 @@ draw_here()
         --y "$(sed -n '1s/^n,//p' "$work/fig.csv")"
 }
 
+# Figs. 9 to 12: decompositions and the plate impact, from runs.
+picture() # NUMBER STEP COLOUR TITLE
+{
+    "$bin/dm2-plot" snapshot "$work/impact/snapshots/state-000000$2.vtp" --colour "$3" --width 700 --title "Fig. $1: $4" \
+        -o "$to/fig-$1.svg"
+}
+
+# One decomposition as rectangles, at most 180 units wide and 100 high, from the lines that --check prints for its servers.
+decomposition() # ASPECT SERVERS LEFT TOP
+{
+    "$bin/dm2-client" input/timing.dm2 -D n=20000 -D aspect="$1" -n "$2" --check |
+        awk -v title="aspect $1, $2 servers" -v left="$3" -v top="$4" '
+            /^cells / { columns = $4; rows = $6 }
+            /^cell edges/ { x = $3; y = $5 }
+            /^server / { sub(/.* cells [0-9]+ = /, ""); gsub(/[(),]/, " ")
+                         n++; wide[n] = $1; high[n] = $3; from_x[n] = $5; from_y[n] = $6 }
+            END { scale = 180 / (columns * x); if (scale * rows * y > 100) scale = 100 / (rows * y)
+                  printf "<text x=\"%g\" y=\"%g\">%s</text>\n", left, top - 8, title
+                  for (k = 1; k <= n; k++)
+                      printf "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"/>\n", left + scale * x * from_x[k],
+                          top + scale * y * (rows - from_y[k] - high[k]), scale * x * wide[k], scale * y * high[k] }'
+}
+draw_pictures()
+{
+    "$bin/dm2-seq" input/plate-impact.dm2 -q -o "$work/impact" --overwrite
+    picture 10 000 body 'the problem: a flyer at 400 m/s below a target at rest'
+    picture 11 000 material 'initial geometry, 1689 elements'
+    picture 12 200 material 'geometry after 200 steps, 5 µs'
+    {
+        echo '<svg xmlns="http://www.w3.org/2000/svg" width="610" height="300" viewBox="0 0 610 300" font-family="sans-serif" font-size="13">'
+        echo '<title>Fig. 9: decomposition for 2, 4 and 8 servers at three aspect ratios</title>'
+        echo '<rect width="610" height="300" fill="white"/>'
+        for row in 1.3571:30 3:160 6:250; do
+            left=10
+            for servers in 2 4 8; do
+                decomposition "${row%:*}" "$servers" "$left" "${row#*:}" |
+                    sed -e 's/^<text /&fill="black" /' -e 's/^<rect /&fill="#dbe9f6" stroke="#08519c" /'
+                left=$((left + 200))
+            done
+        done
+        echo '</svg>'
+    } >"$work/fig-09.svg"
+    mv "$work/fig-09.svg" "$to"
+}
+
 draw_emulated()
 {
     paper() { awk -F , -v network="$1" -v processor="$2" 'NR == 1 || ($1 == network && $2 == processor)' "$to/emulated.csv"; }
@@ -219,11 +265,12 @@ tables()
         NR > 1 { key = $1 "," $2 "," $4; if (!(key in seen)) { seen[key] = 1; keys[++n] = key }
                  s[key] = s[key] sprintf(",%.2f", $12); e[key] = e[key] sprintf(",%.2f", $13); p[key] = p[key] sprintf(",%.2f", $14) }
         END { for (i = 1; i <= n; i++) print keys[i] s[keys[i]] e[keys[i]] p[keys[i]] }' "$to/emulated.csv" | markdown | insert emulated
-    awk -F , -v OFS=, 'BEGIN { print "network", "servers", "from elements", "to", "exponent of computing/communication in n" }
-        NR > 1 && $2 == "paper" { key = $1 "," $5; if (!(key in first)) { first[key] = $4; keys[++n] = key }
-            ratio = $3 * $9 / ($7 - $9); if (first[key] == $4) start[key] = ratio; last[key] = $4; stop[key] = ratio }
-        END { for (i = 1; i <= n; i++) print keys[i], first[keys[i]], last[keys[i]],
-                  sprintf("%.2f", log(stop[keys[i]] / start[keys[i]]) / log(last[keys[i]] / first[keys[i]])) }' "$to/emulated.csv" |
+    awk -F , -v OFS=, 'BEGIN { print "network", "servers", "from elements", "to", "computing grows as n to the", "communication as n to the" }
+        NR > 1 && $2 == "paper" { key = $1 "," $5; if (!(key in first)) { first[key] = $4; keys[++n] = key; c[key] = $9; m[key] = $7 - $9 }
+            last[key] = $4; computing[key] = $9; messages[key] = $7 - $9 }
+        function grows(from, to, key) { return sprintf("%.2f", log(to / from) / log(last[key] / first[key])) }
+        END { for (i = 1; i <= n; i++) { k = keys[i]
+                  print k, first[k], last[k], grows(c[k], computing[k], k), grows(m[k], messages[k], k) } }' "$to/emulated.csv" |
         markdown | insert exponent
     awk -F , -v OFS=, 'BEGIN { print "network", "elements", "servers", "measured [ms]", "predicted [ms]", "error [%]" }
         NR > 1 && $2 == "paper" { print $1, $4, $5, sprintf("%.2f", 1e3 * $7), sprintf("%.2f", 1e3 * $8), sprintf("%+.1f", 100 * ($8 - $7) / $7) }' \
@@ -239,7 +286,7 @@ measure) measure ;;
 accuracy) measure_accuracy ;;
 *) echo 'usage: scripts/figures.sh [measure | accuracy]' >&2; exit 2 ;;
 esac
-sh "${0%/*}/pictures.sh" >/dev/null
+draw_pictures
 draw_paper
 draw_here
 draw_emulated

@@ -1,55 +1,67 @@
 #!/bin/sh
-# Draws the pictures of the plate impact that README and docs show, from a run of the deck as it is, and the decompositions of the
-# paper's Fig. 9, from those that runs of the same plate would have.
+# Draws the pictures that README and docs show, each from a run of its deck as it is.
 #
-#     make && sh scripts/pictures.sh        writes docs/plate-impact*.svg, docs/figures/fig-09.svg to fig-12.svg
+#     make && sh scripts/pictures.sh        writes docs/plate-impact*.svg and docs/gallery/*.svg
 set -eu
 bin=${DM2_BIN:-bin}
-run=$(mktemp -d)
-trap 'rm -rf "$run"' EXIT
-mkdir -p docs/figures
-"$bin/dm2-seq" input/plate-impact.dm2 -q -o "$run" --overwrite
-"$bin/dm2-plot" snapshot "$run/snapshots/state-000000200.vtp" --links -o docs/plate-impact.svg \
-    --title 'Plate impact: nickel onto nickel and aluminium at 400 m/s'
-"$bin/dm2-plot" chart "$run/history.csv" --x time --y free_centre_vy,free_surface_vy \
-    --title 'Velocity of the free surface, its middle and all of it' --ylabel 'velocity [cm/µs]' -o docs/plate-impact-velocity.svg
+runs=$(mktemp -d)
+trap 'rm -rf "$runs"' EXIT
 
-picture() # NUMBER STEP COLOUR TITLE
+# run DECK
+run()
 {
-    "$bin/dm2-plot" snapshot "$run/snapshots/state-000000$2.vtp" --colour "$3" --width 700 --title "Fig. $1: $4" \
-        -o "docs/figures/fig-$1.svg"
+    "$bin/dm2-seq" "input/$1.dm2" -q -o "$runs/$1" --overwrite
 }
-picture 10 000 body 'the problem: a flyer at 400 m/s below a target at rest'
-picture 11 000 material 'initial geometry, 1689 elements'
-picture 12 200 material 'geometry after 200 steps, 5 µs'
 
-# One decomposition as rectangles, at most 180 units wide and 100 high, from the lines that --check prints for its servers.
-decomposition() # ASPECT SERVERS LEFT TOP
+# snapshot PICTURE DECK STEP OPTION...; chart PICTURE DECK TABLE OPTION...
+snapshot()
 {
-    "$bin/dm2-client" input/timing.dm2 -D n=20000 -D aspect="$1" -n "$2" --check |
-        awk -v title="aspect $1, $2 servers" -v left="$3" -v top="$4" '
-            /^cells / { columns = $4; rows = $6 }
-            /^cell edges/ { x = $3; y = $5 }
-            /^server / { sub(/.* cells [0-9]+ = /, ""); gsub(/[(),]/, " ")
-                         n++; wide[n] = $1; high[n] = $3; from_x[n] = $5; from_y[n] = $6 }
-            END { scale = 180 / (columns * x); if (scale * rows * y > 100) scale = 100 / (rows * y)
-                  printf "<text x=\"%g\" y=\"%g\">%s</text>\n", left, top - 8, title
-                  for (k = 1; k <= n; k++)
-                      printf "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"/>\n", left + scale * x * from_x[k],
-                          top + scale * y * (rows - from_y[k] - high[k]), scale * x * wide[k], scale * y * high[k] }'
+    picture=$1 deck=$2 step=$3
+    shift 3
+    "$bin/dm2-plot" snapshot "$runs/$deck/snapshots/state-$(printf %09d "$step").vtp" -o "docs/$picture.svg" "$@"
 }
+chart()
 {
-    echo '<svg xmlns="http://www.w3.org/2000/svg" width="610" height="300" viewBox="0 0 610 300" font-family="sans-serif" font-size="13">'
-    echo '<title>Fig. 9: decomposition for 2, 4 and 8 servers at three aspect ratios</title>'
-    echo '<rect width="610" height="300" fill="white"/>'
-    for row in 1.3571:30 3:160 6:250; do
-        left=10
-        for servers in 2 4 8; do
-            decomposition "${row%:*}" "$servers" "$left" "${row#*:}" |
-                sed -e 's/^<text /&fill="black" /' -e 's/^<rect /&fill="#dbe9f6" stroke="#08519c" /'
-            left=$((left + 200))
-        done
-    done
-    echo '</svg>'
-} >"$run/fig-09.svg"
-mv "$run/fig-09.svg" docs/figures/fig-09.svg
+    picture=$1 deck=$2 table=$3
+    shift 3
+    "$bin/dm2-plot" chart "$runs/$deck/$table.csv" -o "docs/$picture.svg" "$@"
+}
+
+run plate-impact
+snapshot plate-impact plate-impact 200 --links --title 'Plate impact: nickel onto nickel and aluminium at 400 m/s'
+chart plate-impact-velocity plate-impact history --x time --y free_centre_vy,free_surface_vy \
+    --title 'Velocity of the free surface, its middle and all of it' --ylabel 'velocity [cm/µs]'
+snapshot gallery/plate-impact plate-impact 200 -c links
+
+run cu-polycrystal
+snapshot gallery/cu-polycrystal-grains cu-polycrystal 0 -c grain
+snapshot gallery/cu-polycrystal cu-polycrystal 120 -c pressure
+chart gallery/cu-polycrystal-profile cu-polycrystal profile-shock --x y --y stress_yy --by time
+
+run hmx-powder
+snapshot gallery/hmx-powder hmx-powder 1800 -c temperature
+snapshot gallery/hmx-powder-damage hmx-powder 1800 -c damage
+
+run shear-band
+snapshot gallery/shear-band shear-band 3500 -c temperature
+snapshot gallery/shear-band-phase shear-band 2000 -c phase
+snapshot gallery/shear-band-composition shear-band 3500 -c composition
+chart gallery/shear-band-energy shear-band history --x time --y thermal,phase,chemical,work
+
+run granular-shear
+snapshot gallery/granular-shear granular-shear 20000 -c vx
+chart gallery/granular-shear-profile granular-shear profile-flow --x y --y vx --by time
+
+run spall
+snapshot gallery/spall spall 250 -c vy
+chart gallery/spall-surface spall history --x time --y surface_vy
+
+run phase-front
+snapshot gallery/phase-front phase-front 200 -c phase
+chart gallery/phase-front-profile phase-front profile-bar --x x --y stress_xx --by time
+
+run sliding-block
+chart gallery/sliding-block sliding-block history --x time --y block_vx
+
+run heat-rod
+chart gallery/heat-rod heat-rod profile-rod --x x --y temperature --by time

@@ -73,12 +73,12 @@ expect_text out '(calibrated: here.csv)'
 cat >lopsided.dm2 <<'END'
 domain {
   size = 16 4
-  r_c = 0.1
+  r_c = 0.18
   delta_r = 0.01
 }
 time {
   dt = 0.01 us
-  steps = 10
+  steps = 6
 }
 material Ni {
   rho0 = 8.874 g/cm3
