@@ -164,28 +164,40 @@ DM2_WIDE static void near_central(struct pass *pass, struct lists *l)
 /* What near_wide leaves to the plain path, link by link. */
 static void near_single(struct pass *pass, struct lists *l, uint32_t i, uint32_t k)
 {
-    near_pair(pass, l, i, k, pass->p->pair_sum + SUM_COUNT * (size_t)i, false, true, true);
+    near_pair(pass, l, i, k, pass->p->pair_sum + SUM_COUNT * (size_t)i, pass->totals != NULL, true, true);
+}
+
+DM2_INLINE void single_rows(struct pass *pass, struct lists *l, bool measure)
+{
+    for (size_t s = 0; s < l->links.n_single; s++) {
+        uint32_t i = l->links.single[s].i;
+        near_pair(pass, l, i, l->links.single[s].k, pass->p->pair_sum + SUM_COUNT * (size_t)i, measure, true, true);
+    }
 }
 
 DM2_WIDE static void near_singles(struct pass *pass, struct lists *l)
 {
-    for (size_t s = 0; s < l->links.n_single; s++) {
-        uint32_t i = l->links.single[s].i;
-        near_pair(pass, l, i, l->links.single[s].k, pass->p->pair_sum + SUM_COUNT * (size_t)i, false, true, true);
-    }
+    single_rows(pass, l, false);
+}
+
+DM2_WIDE static void near_singles_measured(struct pass *pass, struct lists *l)
+{
+    single_rows(pass, l, true);
 }
 
 static void near_evaluate(struct pass *pass, struct lists *l)
 {
     const struct model *m = pass->m;
-    if (pass->totals != NULL)
-        near_measured(pass, l);
-    else if (m->wide_near && link_list_prepare(l, m, pass->p) != 0)
+    if (m->wide_near && link_list_prepare(l, m, pass->p) != 0)
         pass->no_memory = true;
     else if (m->wide_near) {
         near_wide(pass, l, near_single);
-        near_singles(pass, l);
-    }
+        if (pass->totals != NULL)
+            near_singles_measured(pass, l);
+        else
+            near_singles(pass, l);
+    } else if (pass->totals != NULL)
+        near_measured(pass, l);
     else if (m->grid.periodic[0] || m->grid.periodic[1])
         near_periodic(pass, l);
     else if (m->has_spin)
