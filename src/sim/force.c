@@ -53,14 +53,15 @@ static void add_around(const struct pass *pass, uint32_t i, uint32_t j, double d
 {
     double s = pass->m->fixed.around;
     const int64_t part[AROUND_COUNT] = {[AROUND_XX] = to_fixed(dx * dx * s), [AROUND_YY] = to_fixed(dy * dy * s),
-                                        [AROUND_XY] = to_fixed(dx * dy * s),
-                                        [AROUND_TALLY] = TALLY_PAIR + (linked ? TALLY_LINK : 0) +
-                                                         (contacting ? TALLY_CONTACT : 0)};
+                                        [AROUND_XY] = to_fixed(dx * dy * s)};
+    const int64_t tally = TALLY_PAIR + (linked ? TALLY_LINK : 0) + (contacting ? TALLY_CONTACT : 0);
     int64_t *a = pass->p->around + AROUND_COUNT * (size_t)i, *b = pass->p->around + AROUND_COUNT * (size_t)j;
     for (int k = 0; k < AROUND_COUNT; k++) {
         a[k] += part[k];
         b[k] += part[k];
     }
+    pass->p->virial[VIRIAL_COUNT * (size_t)i + VIRIAL_TALLY] += tally;
+    pass->p->virial[VIRIAL_COUNT * (size_t)j + VIRIAL_TALLY] += tally;
 }
 
 static void near_measure(struct pass *pass, uint32_t i, uint32_t j, double dx, double dy, double nx, double ny,
@@ -219,7 +220,7 @@ enum dm2_status force_evaluate(const struct model *m, struct particles *p, struc
     if (p->n == 0)
         return DM2_OK; /* and perhaps no array to clear */
     if (totals != NULL) {
-        memset(p->virial, 0, p->n * 3 * sizeof *p->virial);
+        memset(p->virial, 0, p->n * VIRIAL_COUNT * sizeof *p->virial);
         if (m->has_near)
             memset(p->around, 0, p->n * AROUND_COUNT * sizeof *p->around);
     }

@@ -73,7 +73,7 @@ static double volume_of(const struct model *m, const struct particles *p, size_t
 {
     const int64_t *s = p->around != NULL ? p->around + AROUND_COUNT * i : NULL;
     double d = 2.0 * p->radius[i], over = 1.0 / m->fixed.around; /* a power of two: exact */
-    if (s != NULL && s[AROUND_TALLY] % TALLY_LINK == 6 * TALLY_PAIR) {
+    if (s != NULL && p->virial[VIRIAL_COUNT * i + VIRIAL_TALLY] % TALLY_LINK == 6 * TALLY_PAIR) {
         double xx = (double)s[AROUND_XX] * over, yy = (double)s[AROUND_YY] * over, xy = (double)s[AROUND_XY] * over;
         double det = xx * yy - xy * xy;
         if (det > 0.0)
@@ -86,7 +86,7 @@ void leapfrog_stress(const struct model *m, const struct particles *p, size_t i,
 {
     double volume = volume_of(m, p, i), over = 1.0 / m->fixed.virial; /* a power of two: exact */
     for (size_t a = 0; a < 3; a++)
-        stress[a] = -0.5 * ((double)p->virial[3 * i + a] * over) / volume;
+        stress[a] = -0.5 * ((double)p->virial[VIRIAL_COUNT * i + a] * over) / volume;
 }
 
 void leapfrog_set_pressure(const struct model *m, struct particles *p)

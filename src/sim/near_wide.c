@@ -131,7 +131,7 @@ DM2_INLINE void central(const struct pair_law *law, const struct lists *l, const
 
 /* What a measuring evaluation adds up of four links. */
 struct tally {
-    simd_int virial[3], around[AROUND_COUNT], potential, elastic;
+    simd_int virial[VIRIAL_COUNT], around[AROUND_COUNT], potential, elastic;
 };
 
 /* The same numbers as near_measure in force.c. False where one leaves the range. */
@@ -150,13 +150,13 @@ DM2_INLINE bool measure_lanes(const struct pass *pass, const struct bond *bond, 
     simd_int more = ~(largest < 0x1p50);
     if (any(&more))
         return false;
-    out->virial[0] = FIXED(xx);
-    out->virial[1] = FIXED(yy);
-    out->virial[2] = FIXED(xy);
+    out->virial[VIRIAL_XX] = FIXED(xx);
+    out->virial[VIRIAL_YY] = FIXED(yy);
+    out->virial[VIRIAL_XY] = FIXED(xy);
     out->around[AROUND_XX] = FIXED(dx * dx * scale->around);
     out->around[AROUND_YY] = FIXED(dy * dy * scale->around);
     out->around[AROUND_XY] = FIXED(dx * dy * scale->around);
-    out->around[AROUND_TALLY] = one * TALLY_PAIR + link + (one * TALLY_CONTACT & (at->r <= bond->r0));
+    out->virial[VIRIAL_TALLY] = one * TALLY_PAIR + link + (one * TALLY_CONTACT & (at->r <= bond->r0));
     out->potential = FIXED(potential);
     out->elastic = FIXED(elastic);
     return true;
@@ -166,23 +166,23 @@ DM2_INLINE bool measure_lanes(const struct pass *pass, const struct bond *bond, 
 DM2_INLINE void add_tally(struct pass *pass, const struct link_quad *q, const struct tally *t)
 {
     struct particles *p = pass->p;
-    simd_int *sums = (simd_int *)(void *)p->around, around[4];
+    simd_int *sums = (simd_int *)(void *)p->virial, virial[4];
     int64_t potential = 0, elastic = 0;
-    transpose(t->around, around);
+    transpose(t->virial, virial);
     for (int c = 0; c < SIMD_LANES; c++) {
-        int64_t *i = p->virial + 3 * (size_t)q->i[c], *j = p->virial + 3 * (size_t)q->j[c];
-        sums[q->i[c]] += around[c];
-        sums[q->j[c]] += around[c];
-        for (int a = 0; a < 3; a++) {
-            i[a] += t->virial[a][c];
-            j[a] += t->virial[a][c];
+        int64_t *i = p->around + AROUND_COUNT * (size_t)q->i[c], *j = p->around + AROUND_COUNT * (size_t)q->j[c];
+        sums[q->i[c]] += virial[c];
+        sums[q->j[c]] += virial[c];
+        for (int a = 0; a < AROUND_COUNT; a++) {
+            i[a] += t->around[a][c];
+            j[a] += t->around[a][c];
         }
         if (!counts_here(p, q->i[c], q->j[c]))
             continue;
         potential += t->potential[c];
         elastic += t->elastic[c];
         pass->totals->links++;
-        pass->totals->contacts += (uint64_t)(t->around[AROUND_TALLY][c] / TALLY_CONTACT);
+        pass->totals->contacts += (uint64_t)(t->virial[VIRIAL_TALLY][c] / TALLY_CONTACT);
     }
     exact_add_units(&pass->potential, potential, pass->m->fixed.energy_left);
     exact_add_units(&pass->elastic, elastic, pass->m->fixed.energy_left);
