@@ -17,6 +17,51 @@ small()
     esac
 }
 
+# run_with N OPTION...: on N servers; with 1, the sequential program.
+run_with()
+{
+    servers=$1
+    shift
+    # shellcheck disable=SC2086 # the words of the options
+    if [ "$servers" -eq 1 ]; then
+        expect_status 0 "$seq" "$deck" $options -q "$@"
+    else
+        expect_status 0 "$client" "$deck" $options -q -n "$servers" "$@"
+    fi
+}
+
+# Directories copy-1, copy-2, ... with a checkpoint each. A short run ends one step behind it.
+leave_short()
+{
+    copies=0 at=$every
+    while [ "$at" -lt "$steps" ]; do
+        copies=$((copies + 1))
+        run_with $((1 + (decks + copies) % 5)) -o copy-$copies --steps $((at + 1)) --checkpoint-every "$every"
+        at=$((at + every))
+    done
+}
+# A whole one is copied as it lies there while its client is stopped in the middle of whatever it does, as by a crash.
+leave_whole()
+{
+    copies=0
+    mkfifo hashes
+    # shellcheck disable=SC2086 # the words of the options
+    "$client" "$deck" $options -q -n 2 -o run --checkpoint-every "$every" --hash-every $((every / 2)) >hashes 2>err </dev/null &
+    pid=$!
+    exec 4<hashes
+    while IFS= read -r line <&4; do
+        kill -STOP $pid 2>kill.err
+        if [ -f run/checkpoint.dm2 ] && { [ $copies -eq 0 ] || ! cmp -s run/checkpoint.dm2 copy-$copies/checkpoint.dm2; }; then
+            copies=$((copies + 1))
+            cp -R run copy-$copies
+        fi
+        kill -CONT $pid 2>kill.err
+    done
+    exec 4<&-
+    wait $pid || fail "$name: $(cat err)"
+    rm -r hashes run
+}
+
 decks=0 restarts=0
 for deck in "$DM2_SRC"/input/*.dm2; do
     name=$(basename "$deck" .dm2)
@@ -25,29 +70,24 @@ for deck in "$DM2_SRC"/input/*.dm2; do
         expect_status 0 "$client" "$deck" -n 1 --check
         steps=$(sed -n 's/^ *steps *\([0-9]*\) .*/\1/p' out)
         every=$((steps / 5))
+        leave_whole
     else
         options=$(small "$name")
         steps=13 every=6
+        leave_short
     fi
-    rm -rf straight
-    # shellcheck disable=SC2086 # the words of the options
-    expect_status 0 "$seq" "$deck" $options --steps "$steps" -q -o straight
-    at=$every n=2
-    while [ "$at" -lt "$steps" ]; do
-        rm -rf run
-        # The checkpoint of step `at`, left by one program, taken up by the other.
-        expect_status 0 "$client" "$deck" $options -q -n "$n" -o run --steps $((at + 1)) --checkpoint-every "$every"
-        n=$((n % 5 + 1))
-        if [ "$n" -eq 1 ]; then
-            expect_status 0 "$seq" "$deck" $options -q --steps "$steps" --restart run/checkpoint.dm2
-        else
-            expect_status 0 "$client" "$deck" $options -q -n "$n" --steps "$steps" --restart run/checkpoint.dm2
-        fi
+    run_with 1 --steps "$steps" -o straight
+    k=0
+    while [ $k -lt $copies ]; do
+        k=$((k + 1))
+        run_with $((1 + (decks + 2 * k) % 5)) --steps "$steps" --restart copy-$k/checkpoint.dm2
         for file in straight/final.dm2 straight/*.csv; do
-            [ "$file" = straight/timing.csv ] || same_bytes "$file" "run/${file##*/}"
+            [ "$file" = straight/timing.csv ] || same_bytes "$file" "copy-$k/${file##*/}"
         done
-        restarts=$((restarts + 1)) at=$((at + every))
+        restarts=$((restarts + 1))
     done
+    echo "$name: $steps steps, $copies checkpoints"
+    rm -r straight copy-*
     decks=$((decks + 1))
 done
 echo "$decks decks, $restarts restarts"
