@@ -3,9 +3,11 @@
 #ifndef DM2_SIM_PARTICLES_H
 #define DM2_SIM_PARTICLES_H
 
+#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 
+#include "dm2/base/real.h"
 #include "dm2/sim/element.h"
 #include "dm2/sim/tables.h"
 
@@ -59,9 +61,6 @@ struct particles {
     int64_t *around;   /* [n][AROUND_COUNT] likewise; near pairs */
 };
 
-/* Where slot n, which belongs to nobody, lies while lists are padded with it, cm; its square is finite. */
-#define PARTICLES_FAR 1e150
-
 /* An empty set for elements of this model. */
 void particles_start(struct particles *p, const struct model *m);
 
@@ -102,10 +101,27 @@ static inline uint16_t particles_contacts(const struct particles *p, size_t i)
     return p->around == NULL ? 0 : (uint16_t)(p->around[AROUND_COUNT * i + AROUND_TALLY] / TALLY_CONTACT);
 }
 
-/* Temperature and softening factor of slot i from its heat, where there are such. */
-void particles_warm(struct particles *p, const struct model *m, size_t i);
-
 /* Softening factor 1 - ((T - T0)/(Tm - T0))^n within [0, 1] (docs/physics.md, section 4). */
-double particles_softening(const struct kind *kind, double temperature);
+static inline double particles_softening(const struct kind *kind, double temperature)
+{
+    if (!(temperature > kind->t0) || !isfinite(kind->tm))
+        return 1.0;
+    if (!(temperature < kind->tm))
+        return 0.0;
+    double x = (temperature - kind->t0) * kind->over_range;
+    return x < 1.0 ? 1.0 - (kind->softening == 1.0 ? x : real_pow(x, kind->softening)) : 0.0;
+}
+
+/* Temperature and softening factor of slot i from its heat, where there are such; over_mass: 1/m of the slot, 1/g. */
+static inline void particles_warm(struct particles *p, const struct model *m, size_t i, double over_mass)
+{
+    const struct kind *kind = &m->kinds[p->kind[i]];
+    if (p->temperature == NULL)
+        return;
+    double over_cp = m->reaction.any ? 1.0 / particles_heat_capacity(p, m, i) : kind->over_cp;
+    double temperature = kind->t0 + p->heat[i] * over_mass * over_cp;
+    p->temperature[i] = temperature;
+    p->soft[i] = particles_softening(kind, temperature);
+}
 
 #endif
