@@ -1,11 +1,11 @@
 # As failing_calls.sh, for dm2-client, dm2-server, dm2-model and dm2-plot, with the calls of sockets and processes too: the Nth
 # one fails, and the program succeeds with the right result (a lost server is made good) or says what is wrong; it does not crash,
-# does not hang and leaves nothing half-written. Every 11th N here; FAILING_EVERY=1 takes all of them, in some minutes.
+# does not hang and leaves nothing half-written. Every 17th N here; FAILING_EVERY=1 takes all of them, in some minutes.
 # labels: e2e
 # timeout: 1200
 . "$DM2_SRC/tests/lib.sh"
 
-every=${FAILING_EVERY:-11}
+every=${FAILING_EVERY:-17}
 failing=$DM2_BUILD/failing
 sed -e 's/spacing = 0.04/spacing = 0.2/' -e 's/r_c = 0.1/r_c = 0.3/' -e 's/delta_r = 0.01/delta_r = 0.05/' \
     "$DM2_SRC/tests/decks/good/minimal.dm2" >small.dm2
