@@ -48,7 +48,7 @@ static inline void add_virial(const struct pass *pass, uint32_t i, uint32_t j, d
 {
     double s = pass->m->fixed.virial;
     int64_t xx = to_fixed(dx * fx * s), yy = to_fixed(dy * fy * s), xy = to_fixed(0.5 * (dx * fy + dy * fx) * s);
-    int64_t *vi = pass->p->virial + 3 * i, *vj = pass->p->virial + 3 * (size_t)j;
+    int64_t *vi = pass->p->virial + VIRIAL_COUNT * (size_t)i, *vj = pass->p->virial + VIRIAL_COUNT * (size_t)j;
     vi[0] += xx;
     vi[1] += yy;
     vi[2] += xy;
