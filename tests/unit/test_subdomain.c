@@ -376,18 +376,18 @@ TEST(motion_as_a_whole_needs_no_rebuild)
         struct engine g;
         load(&g, far_deck, &shape, "cells+lists", ranks);
         double radius = g.deck.config.bodies[0].radius, dt = g.deck.config.dt;
-        struct element e[3] = {{.id = 0, .radius = radius, .mass = 1, .r = {1, 2}, .v = {0.05 / dt, 0.04 / dt}},
-                               {.id = 1, .radius = radius, .mass = 1, .r = {9, 2}, .v = {0.05 / dt, 0.04 / dt}},
-                               {.id = 2, .radius = radius, .mass = 1, .r = {5, 9}, .v = {0.05 / dt, 0.04 / dt}}};
+        struct element e[3] = {{.id = 0, .radius = radius, .mass = 1, .r = {1, 2}, .v = {0.0203 / dt, 0.016 / dt}},
+                               {.id = 1, .radius = radius, .mass = 1, .r = {9, 2}, .v = {0.0203 / dt, 0.016 / dt}},
+                               {.id = 2, .radius = radius, .mass = 1, .r = {5, 9}, .v = {0.0203 / dt, 0.016 / dt}}};
         struct engine_state s = {.e = e, .n = 3};
         engine_restore(&g, 1, &s);
-        engine_run(&g, 500); /* 25 cm */
+        engine_run(&g, 500); /* 10 cm */
         CHECK_EQ_INT(g.rebuilds, 0);
         e[2].v[0] = -e[2].v[0];
         engine_restore(&g, 1, &s);
-        engine_run(&g, 60); /* 6 cm apart: 20 times dR */
-        CHECK_REPORT(g.rebuilds >= 20, "%zu rebuilds", g.rebuilds);
-        CHECK_REPORT(g.rebuilds <= 32, "%zu rebuilds", g.rebuilds);
+        engine_run(&g, 60); /* 2.4 cm apart: 8 times dR */
+        CHECK_REPORT(g.rebuilds >= 7, "%zu rebuilds", g.rebuilds);
+        CHECK_REPORT(g.rebuilds <= 8, "%zu rebuilds", g.rebuilds);
         engine_stop(&g);
     }
 }
@@ -405,7 +405,7 @@ TEST(pair_memory_travels_with_migrants)
     replace(text, sizeof text, "k = 40;", "k = 1e-9;"); /* too soft to do anything in this time */
     replace(text, sizeof text, "link_break = 1.1", "link_break = 1.4");
     replace(text, sizeof text, "r_c = 1.3", "r_c = 1.6");
-    replace(text, sizeof text, "dt = ", "rebuild_every = 3; dt = "); /* their motion alone, as one, asks for none */
+    replace(text, sizeof text, "delta_r = 0.3", "delta_r = 0.3; rebuild_every = 3"); /* their motion alone, as one, asks for none */
     const char *defines[] = {shape.w, shape.h, NULL};
     engine_load(&g, text, defines, 9);
     double radius = g.deck.config.bodies[0].radius;
