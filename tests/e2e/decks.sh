@@ -92,3 +92,6 @@ awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) { sub(/ .*/, "", $i); at[$i] = i };
 
 check plate-impact scale=0.5
 [ "$(last links)" -lt "$(largest links)" ] || fail "the plate impact tore nothing"
+
+check phase-front rows=8
+within "$(largest temperature_max)" 310 600 "the hottest element"
