@@ -1,5 +1,6 @@
 # The study on the emulated cluster, at its smallest: every case is there, and the computed columns follow from the others.
 # labels: e2e model
+# timeout: 180
 . "$DM2_SRC/tests/lib.sh"
 cp -R "$DM2_SRC/input" input
 status=0
