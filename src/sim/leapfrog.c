@@ -72,9 +72,9 @@ void leapfrog_whole_velocity(const struct model *m, const struct particles *p, s
 static double volume_of(const struct model *m, const struct particles *p, size_t i)
 {
     const int64_t *s = p->around != NULL ? p->around + AROUND_COUNT * i : NULL;
-    double d = 2.0 * p->radius[i], scale = m->fixed.around;
+    double d = 2.0 * p->radius[i], over = 1.0 / m->fixed.around; /* a power of two: exact */
     if (s != NULL && s[AROUND_TALLY] % TALLY_LINK == 6 * TALLY_PAIR) {
-        double xx = (double)s[AROUND_XX] / scale, yy = (double)s[AROUND_YY] / scale, xy = (double)s[AROUND_XY] / scale;
+        double xx = (double)s[AROUND_XX] * over, yy = (double)s[AROUND_YY] * over, xy = (double)s[AROUND_XY] * over;
         double det = xx * yy - xy * xy;
         if (det > 0.0)
             return 0x1.279a74590331dp-2 * sqrt(det); /* 1/(2 sqrt(3)) */
@@ -84,9 +84,9 @@ static double volume_of(const struct model *m, const struct particles *p, size_t
 
 void leapfrog_stress(const struct model *m, const struct particles *p, size_t i, double stress[3])
 {
-    double volume = volume_of(m, p, i);
+    double volume = volume_of(m, p, i), over = 1.0 / m->fixed.virial; /* a power of two: exact */
     for (size_t a = 0; a < 3; a++)
-        stress[a] = -0.5 * ((double)p->virial[3 * i + a] / m->fixed.virial) / volume;
+        stress[a] = -0.5 * ((double)p->virial[3 * i + a] * over) / volume;
 }
 
 void leapfrog_set_pressure(const struct model *m, struct particles *p)
@@ -125,7 +125,8 @@ static bool measure_element(const struct model *m, const struct particles *p, si
         fits &= exact_add(&out->chemical, m->reaction.heat * (mass * left), s->energy);
         fits &= exact_add(&out->phase, mass * kind->energy + p->moved[i], s->energy);
     }
-    fits &= exact_add(&out->work, work, s->energy);
+    if (work != 0.0)
+        fits &= exact_add(&out->work, work, s->energy);
     fits &= exact_add(&out->momentum[0], mass * v[0], s->momentum);
     fits &= exact_add(&out->momentum[1], mass * v[1], s->momentum);
     fits &= exact_add(&out->angular, mass * (x * v[1] - y * v[0]) + spin, s->momentum);
