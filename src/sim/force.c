@@ -169,30 +169,51 @@ static void near_single(struct pass *pass, struct lists *l, uint32_t i, uint32_t
     near_pair(pass, l, i, k, pass->p->pair_sum + SUM_COUNT * (size_t)i, false, true, true);
 }
 
-DM2_WIDE static void near_singles(struct pass *pass, struct lists *l)
+static void near_single_measured(struct pass *pass, struct lists *l, uint32_t i, uint32_t k)
+{
+    near_pair(pass, l, i, k, pass->p->pair_sum + SUM_COUNT * (size_t)i, true, true, true);
+}
+
+DM2_INLINE void near_singles(struct pass *pass, struct lists *l, bool measure)
 {
     for (size_t s = 0; s < l->links.n_single; s++) {
         uint32_t i = l->links.single[s].i;
-        near_pair(pass, l, i, l->links.single[s].k, pass->p->pair_sum + SUM_COUNT * (size_t)i, false, true, true);
+        near_pair(pass, l, i, l->links.single[s].k, pass->p->pair_sum + SUM_COUNT * (size_t)i, measure, true, true);
     }
 }
 
+DM2_WIDE static void near_singles_plain(struct pass *pass, struct lists *l)
+{
+    near_singles(pass, l, false);
+}
+
+DM2_WIDE static void near_singles_measured(struct pass *pass, struct lists *l)
+{
+    near_singles(pass, l, true);
+}
+
+/* Links in quads, then what stands alone. */
 static void near_sorted(struct pass *pass, struct lists *l)
 {
     pass->no_memory = link_list_prepare(l, pass->m, pass->p) != 0;
     if (pass->no_memory)
         return;
-    near_wide(pass, l, near_single);
-    near_singles(pass, l);
+    if (pass->totals != NULL) {
+        near_wide(pass, l, near_single_measured, near_measure);
+        near_singles_measured(pass, l);
+    } else {
+        near_wide(pass, l, near_single, NULL);
+        near_singles_plain(pass, l);
+    }
 }
 
 static void near_evaluate(struct pass *pass, struct lists *l)
 {
     const struct model *m = pass->m;
-    if (pass->totals != NULL)
-        near_measured(pass, l);
-    else if (m->wide_near && !pass->plain)
+    if (m->wide_near && !pass->plain)
         near_sorted(pass, l);
+    else if (pass->totals != NULL)
+        near_measured(pass, l);
     else if (m->grid.periodic[0] || m->grid.periodic[1])
         near_periodic(pass, l);
     else if (m->has_spin)
@@ -246,14 +267,18 @@ static void evaluate_checked(struct pass *pass, struct lists *l)
                           {.array = l->stretch, .bytes = pairs * sizeof *l->stretch},
                           {.array = l->spring, .bytes = pairs * sizeof *l->spring},
                           {.array = p->far_sum, .bytes = p->n * 2 * sizeof *p->far_sum, .result = true},
-                          {.array = p->pair_sum, .bytes = p->n * SUM_COUNT * sizeof *p->pair_sum, .result = true}};
+                          {.array = p->pair_sum, .bytes = p->n * SUM_COUNT * sizeof *p->pair_sum, .result = true},
+                          {.array = p->virial, .bytes = p->n * 3 * sizeof *p->virial, .result = true},
+                          {.array = p->around, .bytes = p->n * AROUND_COUNT * sizeof *p->around, .result = true}};
     enum { WATCHED = sizeof w / sizeof w[0] };
     struct pass plain = *pass;
+    struct pair_totals totals = {0};
     plain.plain = true;
+    plain.totals = pass->totals != NULL ? &totals : NULL;
     for (int k = 0; k < WATCHED; k++)
         w[k].before = copy_of(w[k].array, w[k].bytes);
     evaluate(pass, l);
-    bool check = !pass->bad && !pass->no_memory && pass->totals == NULL;
+    bool check = !pass->bad && !pass->no_memory;
     for (int k = 0; k < WATCHED && check; k++) {
         w[k].after = copy_of(w[k].array, w[k].bytes);
         check = w[k].array == NULL || (w[k].before != NULL && w[k].after != NULL);
@@ -262,8 +287,12 @@ static void evaluate_checked(struct pass *pass, struct lists *l)
         if (w[k].array != NULL && !w[k].result)
             memcpy(w[k].array, w[k].before, w[k].bytes);
     }
-    if (check)
+    if (check) {
         evaluate(&plain, l);
+        assert(memcmp(&plain.potential, &pass->potential, sizeof plain.potential) == 0);
+        assert(memcmp(&plain.elastic, &pass->elastic, sizeof plain.elastic) == 0);
+        assert(pass->totals == NULL || memcmp(&totals, pass->totals, sizeof totals) == 0);
+    }
     for (int k = 0; k < WATCHED; k++) {
         assert(!check || w[k].array == NULL || memcmp(w[k].array, w[k].after, w[k].bytes) == 0);
         free(w[k].before);

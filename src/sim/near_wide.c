@@ -21,6 +21,7 @@ enum { BLOCK = 8 }; /* quads that go through the stages together */
 struct lanes {
     simd_real r, over, nx, ny, vn, vt; /* distance, its reciprocal, n, relative velocity */
     simd_real x, e, f;                 /* bond length, exp(-alpha (x - r0)), central force */
+    simd_real dx, dy, fn, ft, spring;  /* where the pass measures: difference vector, whole force, tangential spring */
 };
 
 #define OF_I(array) ((simd_real){(array)[q->i[0]], (array)[q->i[1]], (array)[q->i[2]], (array)[q->i[3]]})
@@ -94,7 +95,8 @@ DM2_INLINE void differences(const double *array, const struct link_quad *q, simd
 }
 
 /* Stage 1: how the two stand and move. The sums of j, most of which were last touched a step ago, are fetched meanwhile. */
-DM2_INLINE void geometry(const struct pass *pass, const struct link_quad *q, bool periodic, struct lanes *out)
+DM2_INLINE void geometry(const struct pass *pass, const struct link_quad *q, bool periodic, bool measure,
+                         struct lanes *out)
 {
     const simd_real zero = {0.0};
     simd_real dx, dy, dvx, dvy;
@@ -108,6 +110,10 @@ DM2_INLINE void geometry(const struct pass *pass, const struct link_quad *q, boo
         dy = dy - SIMD_CHOOSE(dy > half_y, period_y, zero) + SIMD_CHOOSE(dy < -half_y, period_y, zero);
     }
     differences(pass->p->v, q, &dvx, &dvy);
+    if (measure) {
+        out->dx = dx;
+        out->dy = dy;
+    }
     simd_real r2 = dx * dx + dy * dy;
     out->r = (simd_real){sqrt(r2[0]), sqrt(r2[1]), sqrt(r2[2]), sqrt(r2[3])};
     out->over = 1.0 / out->r;
@@ -129,7 +135,7 @@ DM2_INLINE void central(const struct pair_law *law, const struct lists *l, const
 /* Stage 3: everything else, and the sums. True when all four pairs were evaluated; false, and nothing changed, when the
  * plain path must. */
 DM2_INLINE bool interact(const struct pass *pass, struct lists *l, const struct pair_law *law, const struct link_quad *q,
-                         const struct lanes *at, bool spin)
+                         struct lanes *at, bool spin, bool measure)
 {
     const struct fixed_scales *scale = &pass->m->fixed;
     const struct particles *p = pass->p;
@@ -199,7 +205,28 @@ DM2_INLINE bool interact(const struct pass *pass, struct lists *l, const struct 
     scatter(q, p->pair_sum, force, other_i, other_j);
     for (int c = 0; tangential && c < SIMD_LANES; c++)
         l->spring[q->k[c]] = spring[c];
+    if (measure) {
+        at->fn = fn;
+        at->ft = ft;
+        at->spring = spring;
+    }
     return true;
+}
+
+/* Hands each pair of an evaluated quad on to be measured. */
+DM2_INLINE void measure_quad(struct pass *pass, const struct pair_law *law, const struct link_quad *q,
+                             const struct lanes *at, measure_pair *measure)
+{
+    for (int c = 0; c < SIMD_LANES; c++) {
+        const struct pair_effect effect = {
+            .contacting = at->r[c] <= law->bond.r0,
+            .fn = at->fn[c],
+            .ft = at->ft[c],
+            .potential = law->bond.energy * ((1.0 - at->e[c]) * (1.0 - at->e[c])),
+            .elastic = law->tangential ? 0.5 * law->kt_link * (at->spring[c] * at->spring[c]) : 0.0,
+        };
+        measure(pass, q->i[c], q->j[c], at->dx[c], at->dy[c], at->nx[c], at->ny[c], &effect, true);
+    }
 }
 
 static inline bool all_linked(const struct lists *l, const struct link_quad *q)
@@ -207,7 +234,8 @@ static inline bool all_linked(const struct lists *l, const struct link_quad *q)
     return l->linked[q->k[0]] & l->linked[q->k[1]] & l->linked[q->k[2]] & l->linked[q->k[3]];
 }
 
-DM2_INLINE void wide_groups(struct pass *pass, struct lists *l, bool spin, bool periodic, take_single *single)
+DM2_INLINE void wide_groups(struct pass *pass, struct lists *l, bool spin, bool periodic, take_single *single,
+                            measure_pair *measure)
 {
     for (size_t g = 0; g < l->links.n_groups; g++) {
         const struct link_group *group = &l->links.group[g];
@@ -216,13 +244,14 @@ DM2_INLINE void wide_groups(struct pass *pass, struct lists *l, bool spin, bool 
             size_t n = group->n - done < BLOCK ? group->n - done : BLOCK;
             struct lanes at[BLOCK];
             for (size_t b = 0; b < n; b++)
-                geometry(pass, &q[b], periodic, &at[b]);
+                geometry(pass, &q[b], periodic, measure != NULL, &at[b]);
             for (size_t b = 0; b < n; b++)
                 central(group->law, l, &q[b], &at[b]);
             for (size_t b = 0; b < n; b++) {
-                if (all_linked(l, &q[b]) && interact(pass, l, group->law, &q[b], &at[b], spin))
-                    continue;
-                for (int c = 0; c < SIMD_LANES; c++)
+                bool taken = all_linked(l, &q[b]) && interact(pass, l, group->law, &q[b], &at[b], spin, measure != NULL);
+                if (taken && measure != NULL)
+                    measure_quad(pass, group->law, &q[b], &at[b], measure);
+                for (int c = 0; !taken && c < SIMD_LANES; c++)
                     single(pass, l, q[b].i[c], q[b].k[c]);
             }
         }
@@ -231,29 +260,36 @@ DM2_INLINE void wide_groups(struct pass *pass, struct lists *l, bool spin, bool 
 
 DM2_WIDE static void wide_spinning(struct pass *pass, struct lists *l, take_single *single)
 {
-    wide_groups(pass, l, true, false, single);
+    wide_groups(pass, l, true, false, single, NULL);
 }
 
 DM2_WIDE static void wide_spinning_periodic(struct pass *pass, struct lists *l, take_single *single)
 {
-    wide_groups(pass, l, true, true, single);
+    wide_groups(pass, l, true, true, single, NULL);
 }
 
 DM2_WIDE static void wide_central(struct pass *pass, struct lists *l, take_single *single)
 {
-    wide_groups(pass, l, false, false, single);
+    wide_groups(pass, l, false, false, single, NULL);
 }
 
 DM2_WIDE static void wide_central_periodic(struct pass *pass, struct lists *l, take_single *single)
 {
-    wide_groups(pass, l, false, true, single);
+    wide_groups(pass, l, false, true, single, NULL);
 }
 
-void near_wide(struct pass *pass, struct lists *lists, take_single *single)
+DM2_WIDE static void wide_measured(struct pass *pass, struct lists *l, take_single *single, measure_pair *measure)
+{
+    wide_groups(pass, l, true, true, single, measure);
+}
+
+void near_wide(struct pass *pass, struct lists *lists, take_single *single, measure_pair *measure)
 {
     const struct model *m = pass->m;
     bool periodic = m->grid.periodic[0] || m->grid.periodic[1];
-    if (m->has_spin && periodic)
+    if (measure != NULL)
+        wide_measured(pass, lists, single, measure);
+    else if (m->has_spin && periodic)
         wide_spinning_periodic(pass, lists, single);
     else if (m->has_spin)
         wide_spinning(pass, lists, single);

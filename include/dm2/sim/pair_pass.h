@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include "dm2/sim/force.h"
+#include "dm2/sim/law.h"
 
 /* Largest magnitude that near effects and energies may have in fixed point: 64 pairs may meet in one element. */
 #define FIXED_RANGE 0x1p57
@@ -64,7 +65,12 @@ void far_evaluate(struct pass *pass, struct lists *lists);
 /* Evaluates entry k of the near row of i by the plain path. */
 typedef void take_single(struct pass *pass, struct lists *lists, uint32_t i, uint32_t k);
 
-/* The quads of lists->links, which are sorted; `single` takes the links that need more than most. */
-void near_wide(struct pass *pass, struct lists *lists, take_single *single);
+/* Adds a pair's part of the measures: difference vector, n and effect. */
+typedef void measure_pair(struct pass *pass, uint32_t i, uint32_t j, double dx, double dy, double nx, double ny,
+                          const struct pair_effect *e, bool linked);
+
+/* The quads of lists->links, which are sorted; `single` takes the links that need more than most; `measure`, unless NULL,
+ * gets each of the others. */
+void near_wide(struct pass *pass, struct lists *lists, take_single *single, measure_pair *measure);
 
 #endif
