@@ -49,6 +49,8 @@ struct session {
     struct exchange exchange;
     double timeout;
     double heard; /* when the last message had come: work since then is `busy` */
+    bool counts;  /* the processor's seconds, since `counted`; see count_cpu */
+    double counted;
     struct server_times times;
 };
 
@@ -475,9 +477,23 @@ static enum dm2_status send_ready(struct session *s, struct dm2_error *err)
 /* --- states -----------------------------------------------------------------------------------------------
  */
 
+/* The processor's seconds count while it computes, packs and unpacks, from here to the call that ends it; not while it sends,
+ * receives and waits, which costs seconds of its own in the system. */
+static bool count_cpu(struct session *s, bool on)
+{
+    double now = clock_cpu();
+    bool before = s->counts;
+    if (before)
+        s->times.cpu += now - s->counted;
+    s->counts = on;
+    s->counted = now;
+    return before;
+}
+
 static enum dm2_status send_state(struct session *s, enum state_purpose purpose, struct dm2_error *err)
 {
     double start = clock_now();
+    bool counted = count_cpu(s, false);
     size_t n = subdomain_owned(s->sd);
     struct state_parts parts = {.head = {.step = subdomain_step(s->sd), .purpose = purpose}, .n_elements = n};
     struct element *elements = mem_alloc(n, sizeof *elements);
@@ -499,14 +515,18 @@ static enum dm2_status send_state(struct session *s, enum state_purpose purpose,
     free(measured);
     free(pairs);
     s->times.output += clock_now() - start;
+    (void)count_cpu(s, counted);
     return status;
 }
 
 /* The profiles that are due, one message each. */
 static enum dm2_status send_profiles(struct session *s, struct dm2_error *err)
 {
+    if (s->config.n_profiles == 0)
+        return DM2_OK;
     double start = clock_now();
     int64_t step = subdomain_step(s->sd);
+    bool counted = count_cpu(s, false);
     enum dm2_status status = DM2_OK;
     for (size_t k = 0; k < s->config.n_profiles && status == DM2_OK; k++) {
         struct profile_message m = {.step = step, .which = k, .n_bins = (size_t)s->config.profiles[k].bins};
@@ -525,6 +545,7 @@ static enum dm2_status send_profiles(struct session *s, struct dm2_error *err)
             status = send_out(s, MESSAGE_PROFILE, err);
     }
     s->times.output += clock_now() - start;
+    (void)count_cpu(s, counted);
     return status;
 }
 
@@ -571,6 +592,7 @@ static enum dm2_status send_step(struct session *s, struct step_message *m, stru
     if (s->out.length != head)
         return dm2_fail(err, DM2_PROTOCOL, "the head of a step message changed its length");
     s->out.length = length;
+    (void)count_cpu(s, false);
     return send_out(s, MESSAGE_STEP, err);
 }
 
@@ -581,6 +603,7 @@ static enum dm2_status get_next(struct session *s, int64_t step, struct next_mes
     enum dm2_status status = expect(s, MESSAGE_NEXT, LIMIT_STEP, patience(s), r, err);
     s->heard = clock_now();
     s->times.wait += s->heard - start;
+    (void)count_cpu(s, true);
     if (status != DM2_OK)
         return status;
     message_get_next(r, next);
@@ -656,11 +679,11 @@ static enum dm2_status run_steps(struct session *s, struct dm2_error *err)
 {
     struct next_message asked = {.rebuild_next = s->assign.rebuild_first, .copy_next = s->assign.copy_first};
     enum dm2_status status = DM2_OK;
-    double cpu = clock_cpu();
+    (void)count_cpu(s, true);
     s->heard = clock_now();
     for (int64_t n = subdomain_step(s->sd); n < s->config.steps && status == DM2_OK; n++)
         status = step(s, n, &asked, err);
-    s->times.cpu = clock_cpu() - cpu;
+    (void)count_cpu(s, false);
     return status;
 }
 

@@ -164,12 +164,88 @@ DM2_WIDE static double lennard_jones_periodic(const struct pass *pass, const str
     return lennard_jones(pass, list, true);
 }
 
+#define FIXED(x) ((simd_int)((x) + shifter) - (simd_int)(zero + shifter))
+#define MAGNITUDE(x) ((simd_real)((simd_int)(x) & (simd_int){INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX}))
+
+/* What the plain loop measures, four pairs at a time: virial and energy, no forces. Returns the largest magnitude that
+ * became an integer: from far_range on, the integers mean nothing. */
+DM2_INLINE double measure_quads(struct pass *pass, const struct inner_list *list, bool periodic)
+{
+    const struct model *m = pass->m;
+    const struct particles *p = pass->p;
+    const struct pair_law *law = m->laws;
+    const double scale = m->fixed.virial, depth = law->eps12 * (1.0 / 12.0);
+    const simd_real zero = {0.0};
+    const simd_int none = {0};
+    simd_int *virial = (simd_int *)(void *)p->virial;
+    simd_real largest = zero;
+    int64_t energy = 0;
+    for (size_t k = 0; k < list->n; k++) {
+        const struct far_quad *quad = &list->quad[k];
+        struct far_lanes at;
+        look_at(quad, p->r, law->rm2, pass, periodic, &at);
+        simd_int within = at.r2 <= law->cutoff2;
+        simd_real w3 = at.w * at.w * at.w, f = law->strength * at.w * w3 * (w3 - 1.0);
+        simd_real fx = f * at.dx, fy = f * at.dy;
+        simd_real xx = SIMD_CHOOSE(within, at.dx * fx * scale, zero), yy = SIMD_CHOOSE(within, at.dy * fy * scale, zero);
+        simd_real xy = SIMD_CHOOSE(within, 0.5 * (at.dx * fy + at.dy * fx) * scale, zero);
+        simd_real u = SIMD_CHOOSE(within, (depth * (w3 * w3 - 2.0 * w3) - law->u_cut) * m->fixed.energy, zero);
+        simd_real size = MAGNITUDE(xx) + MAGNITUDE(yy) + MAGNITUDE(xy) + MAGNITUDE(u);
+        largest = SIMD_CHOOSE(size > largest, size, largest);
+        simd_int qxx = FIXED(xx), qyy = FIXED(yy), qxy = FIXED(xy), qu = FIXED(u);
+        /* Transposed: the sums of each pair. */
+        simd_int a = SIMD_EVEN(qxx, qyy), b = SIMD_ODD(qxx, qyy), c = SIMD_EVEN(qxy, none), d = SIMD_ODD(qxy, none);
+        simd_int part[SIMD_LANES] = {SIMD_LOW(a, c), SIMD_LOW(b, d), SIMD_HIGH(a, c), SIMD_HIGH(b, d)};
+        for (int lane = 0; lane < SIMD_LANES; lane++) {
+            size_t j = quad->j[lane] / 2;
+            virial[j] += part[lane];
+            if (j < p->n_own || (j < p->n && counts_here(p, quad->i / 2, (uint32_t)j)))
+                energy += qu[lane];
+        }
+        virial[quad->i / 2] += (part[0] + part[1]) + (part[2] + part[3]);
+        if (k % 256 == 255 || k + 1 == list->n) { /* 1024 energies below 2^50 */
+            exact_add_units(&pass->potential, energy, m->fixed.energy_left);
+            energy = 0;
+        }
+    }
+    double most = 0.0;
+    for (int c = 0; c < SIMD_LANES; c++)
+        most = largest[c] > most ? largest[c] : most;
+    return most;
+}
+
+DM2_WIDE static double measure_free(struct pass *pass, const struct inner_list *list)
+{
+    return measure_quads(pass, list, false);
+}
+
+DM2_WIDE static double measure_periodic(struct pass *pass, const struct inner_list *list)
+{
+    return measure_quads(pass, list, true);
+}
+
+/* Virial and energy of all pairs; false where a number left the range of lanes: then neither counts. */
+static bool measure_wide(struct pass *pass, const struct inner_list *list)
+{
+    const struct exact_sum before = pass->potential;
+    bool periodic = pass->m->grid.periodic[0] || pass->m->grid.periodic[1];
+    if ((periodic ? measure_periodic(pass, list) : measure_free(pass, list)) < far_range)
+        return true;
+    pass->potential = before;
+    memset(pass->p->virial, 0, pass->p->n * VIRIAL_COUNT * sizeof *pass->p->virial);
+    return false;
+}
+
 static void far_wide(struct pass *pass, struct lists *lists)
 {
     const struct model *m = pass->m;
     if (inner_list_prepare(&lists->inner, &lists->far, pass->p, m->far_cutoff, m->config->delta_r, pass->period,
                            pass->half) != 0) {
         pass->no_memory = true;
+        return;
+    }
+    if (pass->totals != NULL && !measure_wide(pass, &lists->inner)) {
+        far_rows(pass, &lists->far, true, true);
         return;
     }
     bool periodic = m->grid.periodic[0] || m->grid.periodic[1];
@@ -183,7 +259,7 @@ void far_evaluate(struct pass *pass, struct lists *lists)
     const struct model *m = pass->m;
     const struct half_list *list = &lists->far;
     bool measure = pass->totals != NULL;
-    if (m->wide_far && !measure && !pass->plain)
+    if (m->wide_far && !pass->plain)
         far_wide(pass, lists);
     else if (m->uniform_far && measure)
         far_rows(pass, list, true, true);

@@ -55,14 +55,15 @@ static void add_around(const struct pass *pass, uint32_t i, uint32_t j, double d
 {
     double s = pass->m->fixed.around;
     const int64_t part[AROUND_COUNT] = {[AROUND_XX] = to_fixed(dx * dx * s), [AROUND_YY] = to_fixed(dy * dy * s),
-                                        [AROUND_XY] = to_fixed(dx * dy * s),
-                                        [AROUND_TALLY] = TALLY_PAIR + (linked ? TALLY_LINK : 0) +
-                                                         (contacting ? TALLY_CONTACT : 0)};
+                                        [AROUND_XY] = to_fixed(dx * dy * s)};
+    const int64_t tally = TALLY_PAIR + (linked ? TALLY_LINK : 0) + (contacting ? TALLY_CONTACT : 0);
     int64_t *a = pass->p->around + AROUND_COUNT * (size_t)i, *b = pass->p->around + AROUND_COUNT * (size_t)j;
     for (int k = 0; k < AROUND_COUNT; k++) {
         a[k] += part[k];
         b[k] += part[k];
     }
+    pass->p->virial[VIRIAL_COUNT * (size_t)i + VIRIAL_TALLY] += tally;
+    pass->p->virial[VIRIAL_COUNT * (size_t)j + VIRIAL_TALLY] += tally;
 }
 
 static void near_measure(struct pass *pass, uint32_t i, uint32_t j, double dx, double dy, double nx, double ny,
@@ -166,15 +167,10 @@ DM2_WIDE static void near_central(struct pass *pass, struct lists *l)
 /* What near_wide leaves to the plain path, link by link. */
 static void near_single(struct pass *pass, struct lists *l, uint32_t i, uint32_t k)
 {
-    near_pair(pass, l, i, k, pass->p->pair_sum + SUM_COUNT * (size_t)i, false, true, true);
+    near_pair(pass, l, i, k, pass->p->pair_sum + SUM_COUNT * (size_t)i, pass->totals != NULL, true, true);
 }
 
-static void near_single_measured(struct pass *pass, struct lists *l, uint32_t i, uint32_t k)
-{
-    near_pair(pass, l, i, k, pass->p->pair_sum + SUM_COUNT * (size_t)i, true, true, true);
-}
-
-DM2_INLINE void near_singles(struct pass *pass, struct lists *l, bool measure)
+DM2_INLINE void single_rows(struct pass *pass, struct lists *l, bool measure)
 {
     for (size_t s = 0; s < l->links.n_single; s++) {
         uint32_t i = l->links.single[s].i;
@@ -182,14 +178,14 @@ DM2_INLINE void near_singles(struct pass *pass, struct lists *l, bool measure)
     }
 }
 
-DM2_WIDE static void near_singles_plain(struct pass *pass, struct lists *l)
+DM2_WIDE static void near_singles(struct pass *pass, struct lists *l)
 {
-    near_singles(pass, l, false);
+    single_rows(pass, l, false);
 }
 
 DM2_WIDE static void near_singles_measured(struct pass *pass, struct lists *l)
 {
-    near_singles(pass, l, true);
+    single_rows(pass, l, true);
 }
 
 /* Links in quads, then what stands alone. */
@@ -198,13 +194,11 @@ static void near_sorted(struct pass *pass, struct lists *l)
     pass->no_memory = link_list_prepare(l, pass->m, pass->p) != 0;
     if (pass->no_memory)
         return;
-    if (pass->totals != NULL) {
-        near_wide(pass, l, near_single_measured, near_measure);
+    near_wide(pass, l, near_single);
+    if (pass->totals != NULL)
         near_singles_measured(pass, l);
-    } else {
-        near_wide(pass, l, near_single, NULL);
-        near_singles_plain(pass, l);
-    }
+    else
+        near_singles(pass, l);
 }
 
 static void near_evaluate(struct pass *pass, struct lists *l)
@@ -227,7 +221,7 @@ static void evaluate(struct pass *pass, struct lists *lists)
     const struct model *m = pass->m;
     struct particles *p = pass->p;
     if (pass->totals != NULL) {
-        memset(p->virial, 0, p->n * 3 * sizeof *p->virial);
+        memset(p->virial, 0, p->n * VIRIAL_COUNT * sizeof *p->virial);
         if (m->has_near)
             memset(p->around, 0, p->n * AROUND_COUNT * sizeof *p->around);
     }
@@ -268,7 +262,7 @@ static void evaluate_checked(struct pass *pass, struct lists *l)
                           {.array = l->spring, .bytes = pairs * sizeof *l->spring},
                           {.array = p->far_sum, .bytes = p->n * 2 * sizeof *p->far_sum, .result = true},
                           {.array = p->pair_sum, .bytes = p->n * SUM_COUNT * sizeof *p->pair_sum, .result = true},
-                          {.array = p->virial, .bytes = p->n * 3 * sizeof *p->virial, .result = true},
+                          {.array = p->virial, .bytes = p->n * VIRIAL_COUNT * sizeof *p->virial, .result = true},
                           {.array = p->around, .bytes = p->n * AROUND_COUNT * sizeof *p->around, .result = true}};
     enum { WATCHED = sizeof w / sizeof w[0] };
     struct pass plain = *pass;

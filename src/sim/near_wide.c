@@ -19,9 +19,9 @@ enum { BLOCK = 8 }; /* quads that go through the stages together */
 
 /* What the stages hand on of one quad. */
 struct lanes {
+    simd_real dx, dy;                  /* from j to i; for measuring */
     simd_real r, over, nx, ny, vn, vt; /* distance, its reciprocal, n, relative velocity */
     simd_real x, e, f;                 /* bond length, exp(-alpha (x - r0)), central force */
-    simd_real dx, dy, fn, ft, spring;  /* where the pass measures: difference vector, whole force, tangential spring */
 };
 
 #define OF_I(array) ((simd_real){(array)[q->i[0]], (array)[q->i[1]], (array)[q->i[2]], (array)[q->i[3]]})
@@ -95,8 +95,7 @@ DM2_INLINE void differences(const double *array, const struct link_quad *q, simd
 }
 
 /* Stage 1: how the two stand and move. The sums of j, most of which were last touched a step ago, are fetched meanwhile. */
-DM2_INLINE void geometry(const struct pass *pass, const struct link_quad *q, bool periodic, bool measure,
-                         struct lanes *out)
+DM2_INLINE void geometry(const struct pass *pass, const struct link_quad *q, bool periodic, struct lanes *out)
 {
     const simd_real zero = {0.0};
     simd_real dx, dy, dvx, dvy;
@@ -110,11 +109,9 @@ DM2_INLINE void geometry(const struct pass *pass, const struct link_quad *q, boo
         dy = dy - SIMD_CHOOSE(dy > half_y, period_y, zero) + SIMD_CHOOSE(dy < -half_y, period_y, zero);
     }
     differences(pass->p->v, q, &dvx, &dvy);
-    if (measure) {
-        out->dx = dx;
-        out->dy = dy;
-    }
     simd_real r2 = dx * dx + dy * dy;
+    out->dx = dx;
+    out->dy = dy;
     out->r = (simd_real){sqrt(r2[0]), sqrt(r2[1]), sqrt(r2[2]), sqrt(r2[3])};
     out->over = 1.0 / out->r;
     out->nx = dx * out->over;
@@ -132,10 +129,70 @@ DM2_INLINE void central(const struct pair_law *law, const struct lists *l, const
     at->f = law->bond.force * (at->e * at->e - at->e);
 }
 
+/* What a measuring evaluation adds up of four links. */
+struct tally {
+    simd_int virial[VIRIAL_COUNT], around[AROUND_COUNT], potential, elastic;
+};
+
+/* The same numbers as near_measure in force.c, of fn, ft and the energy of the springs. False where one leaves the range. */
+DM2_INLINE bool measure_lanes(const struct pass *pass, const struct bond *bond, const struct lanes *at,
+                              const simd_real of[3], struct tally *out)
+{
+    const simd_real fn = of[0], ft = of[1];
+    const struct fixed_scales *scale = &pass->m->fixed;
+    const simd_real zero = {0.0};
+    const simd_int link = {TALLY_LINK, TALLY_LINK, TALLY_LINK, TALLY_LINK}, one = link / TALLY_LINK;
+    simd_real dx = at->dx, dy = at->dy, fx = fn * at->nx - ft * at->ny, fy = fn * at->ny + ft * at->nx;
+    simd_real xx = dx * fx * scale->virial, yy = dy * fy * scale->virial;
+    simd_real xy = 0.5 * (dx * fy + dy * fx) * scale->virial;
+    simd_real potential = bond->energy * ((1.0 - at->e) * (1.0 - at->e)) * scale->energy;
+    simd_real elastic = of[2] * scale->energy;
+    simd_real largest = MAGNITUDE(xx) + MAGNITUDE(yy) + MAGNITUDE(xy) + MAGNITUDE(potential) + MAGNITUDE(elastic);
+    simd_int more = ~(largest < 0x1p50);
+    if (any(&more))
+        return false;
+    out->virial[VIRIAL_XX] = FIXED(xx);
+    out->virial[VIRIAL_YY] = FIXED(yy);
+    out->virial[VIRIAL_XY] = FIXED(xy);
+    out->around[AROUND_XX] = FIXED(dx * dx * scale->around);
+    out->around[AROUND_YY] = FIXED(dy * dy * scale->around);
+    out->around[AROUND_XY] = FIXED(dx * dy * scale->around);
+    out->virial[VIRIAL_TALLY] = one * TALLY_PAIR + link + (one * TALLY_CONTACT & (at->r <= bond->r0));
+    out->potential = FIXED(potential);
+    out->elastic = FIXED(elastic);
+    return true;
+}
+
+/* Adds it to both elements of each pair, and the energies of those that count here. */
+DM2_INLINE void add_tally(struct pass *pass, const struct link_quad *q, const struct tally *t)
+{
+    struct particles *p = pass->p;
+    simd_int *sums = (simd_int *)(void *)p->virial, virial[4];
+    int64_t potential = 0, elastic = 0;
+    transpose(t->virial, virial);
+    for (int c = 0; c < SIMD_LANES; c++) {
+        int64_t *i = p->around + AROUND_COUNT * (size_t)q->i[c], *j = p->around + AROUND_COUNT * (size_t)q->j[c];
+        sums[q->i[c]] += virial[c];
+        sums[q->j[c]] += virial[c];
+        for (int a = 0; a < AROUND_COUNT; a++) {
+            i[a] += t->around[a][c];
+            j[a] += t->around[a][c];
+        }
+        if (!counts_here(p, q->i[c], q->j[c]))
+            continue;
+        potential += t->potential[c];
+        elastic += t->elastic[c];
+        pass->totals->links++;
+        pass->totals->contacts += (uint64_t)(t->virial[VIRIAL_TALLY][c] / TALLY_CONTACT);
+    }
+    exact_add_units(&pass->potential, potential, pass->m->fixed.energy_left);
+    exact_add_units(&pass->elastic, elastic, pass->m->fixed.energy_left);
+}
+
 /* Stage 3: everything else, and the sums. True when all four pairs were evaluated; false, and nothing changed, when the
  * plain path must. */
-DM2_INLINE bool interact(const struct pass *pass, struct lists *l, const struct pair_law *law, const struct link_quad *q,
-                         struct lanes *at, bool spin, bool measure)
+DM2_INLINE bool interact(struct pass *pass, struct lists *l, const struct pair_law *law, const struct link_quad *q,
+                         const struct lanes *at, bool spin, bool measure)
 {
     const struct fixed_scales *scale = &pass->m->fixed;
     const struct particles *p = pass->p;
@@ -193,6 +250,13 @@ DM2_INLINE bool interact(const struct pass *pass, struct lists *l, const struct 
     more |= ~((largest * scale->force < 0x1p50) & (heat * scale->heat < 0x1p50));
     if (any(&more))
         return false;
+    if (measure) {
+        struct tally tally;
+        const simd_real of[3] = {fn, ft, 0.5 * law->kt_link * (spring * spring)};
+        if (!measure_lanes(pass, bond, at, of, &tally))
+            return false;
+        add_tally(pass, q, &tally);
+    }
 
     simd_real sx = at->nx * scale->force, sy = at->ny * scale->force;
     simd_int force[4] = {FIXED(fn * sx - ft * sy), FIXED(fn * sy + ft * sx), FIXED(fdn * sx - fdt * sy),
@@ -205,28 +269,7 @@ DM2_INLINE bool interact(const struct pass *pass, struct lists *l, const struct 
     scatter(q, p->pair_sum, force, other_i, other_j);
     for (int c = 0; tangential && c < SIMD_LANES; c++)
         l->spring[q->k[c]] = spring[c];
-    if (measure) {
-        at->fn = fn;
-        at->ft = ft;
-        at->spring = spring;
-    }
     return true;
-}
-
-/* Hands each pair of an evaluated quad on to be measured. */
-DM2_INLINE void measure_quad(struct pass *pass, const struct pair_law *law, const struct link_quad *q,
-                             const struct lanes *at, measure_pair *measure)
-{
-    for (int c = 0; c < SIMD_LANES; c++) {
-        const struct pair_effect effect = {
-            .contacting = at->r[c] <= law->bond.r0,
-            .fn = at->fn[c],
-            .ft = at->ft[c],
-            .potential = law->bond.energy * ((1.0 - at->e[c]) * (1.0 - at->e[c])),
-            .elastic = law->tangential ? 0.5 * law->kt_link * (at->spring[c] * at->spring[c]) : 0.0,
-        };
-        measure(pass, q->i[c], q->j[c], at->dx[c], at->dy[c], at->nx[c], at->ny[c], &effect, true);
-    }
 }
 
 static inline bool all_linked(const struct lists *l, const struct link_quad *q)
@@ -234,8 +277,8 @@ static inline bool all_linked(const struct lists *l, const struct link_quad *q)
     return l->linked[q->k[0]] & l->linked[q->k[1]] & l->linked[q->k[2]] & l->linked[q->k[3]];
 }
 
-DM2_INLINE void wide_groups(struct pass *pass, struct lists *l, bool spin, bool periodic, take_single *single,
-                            measure_pair *measure)
+DM2_INLINE void wide_groups(struct pass *pass, struct lists *l, bool spin, bool periodic, bool measure,
+                            take_single *single)
 {
     for (size_t g = 0; g < l->links.n_groups; g++) {
         const struct link_group *group = &l->links.group[g];
@@ -244,14 +287,13 @@ DM2_INLINE void wide_groups(struct pass *pass, struct lists *l, bool spin, bool 
             size_t n = group->n - done < BLOCK ? group->n - done : BLOCK;
             struct lanes at[BLOCK];
             for (size_t b = 0; b < n; b++)
-                geometry(pass, &q[b], periodic, measure != NULL, &at[b]);
+                geometry(pass, &q[b], periodic, &at[b]);
             for (size_t b = 0; b < n; b++)
                 central(group->law, l, &q[b], &at[b]);
             for (size_t b = 0; b < n; b++) {
-                bool taken = all_linked(l, &q[b]) && interact(pass, l, group->law, &q[b], &at[b], spin, measure != NULL);
-                if (taken && measure != NULL)
-                    measure_quad(pass, group->law, &q[b], &at[b], measure);
-                for (int c = 0; !taken && c < SIMD_LANES; c++)
+                if (all_linked(l, &q[b]) && interact(pass, l, group->law, &q[b], &at[b], spin, measure))
+                    continue;
+                for (int c = 0; c < SIMD_LANES; c++)
                     single(pass, l, q[b].i[c], q[b].k[c]);
             }
         }
@@ -260,35 +302,42 @@ DM2_INLINE void wide_groups(struct pass *pass, struct lists *l, bool spin, bool 
 
 DM2_WIDE static void wide_spinning(struct pass *pass, struct lists *l, take_single *single)
 {
-    wide_groups(pass, l, true, false, single, NULL);
+    wide_groups(pass, l, true, false, false, single);
 }
 
 DM2_WIDE static void wide_spinning_periodic(struct pass *pass, struct lists *l, take_single *single)
 {
-    wide_groups(pass, l, true, true, single, NULL);
+    wide_groups(pass, l, true, true, false, single);
 }
 
 DM2_WIDE static void wide_central(struct pass *pass, struct lists *l, take_single *single)
 {
-    wide_groups(pass, l, false, false, single, NULL);
+    wide_groups(pass, l, false, false, false, single);
 }
 
 DM2_WIDE static void wide_central_periodic(struct pass *pass, struct lists *l, take_single *single)
 {
-    wide_groups(pass, l, false, true, single, NULL);
+    wide_groups(pass, l, false, true, false, single);
 }
 
-DM2_WIDE static void wide_measured(struct pass *pass, struct lists *l, take_single *single, measure_pair *measure)
+DM2_WIDE static void wide_measured(struct pass *pass, struct lists *l, take_single *single)
 {
-    wide_groups(pass, l, true, true, single, measure);
+    wide_groups(pass, l, true, false, true, single);
 }
 
-void near_wide(struct pass *pass, struct lists *lists, take_single *single, measure_pair *measure)
+DM2_WIDE static void wide_measured_periodic(struct pass *pass, struct lists *l, take_single *single)
+{
+    wide_groups(pass, l, true, true, true, single);
+}
+
+void near_wide(struct pass *pass, struct lists *lists, take_single *single)
 {
     const struct model *m = pass->m;
     bool periodic = m->grid.periodic[0] || m->grid.periodic[1];
-    if (measure != NULL)
-        wide_measured(pass, lists, single, measure);
+    if (pass->totals != NULL && periodic)
+        wide_measured_periodic(pass, lists, single);
+    else if (pass->totals != NULL)
+        wide_measured(pass, lists, single);
     else if (m->has_spin && periodic)
         wide_spinning_periodic(pass, lists, single);
     else if (m->has_spin)

@@ -39,7 +39,7 @@ static const struct column columns[] = {
     COLUMN(p, 1, PRESSURE), COLUMN(moved, 1, KINDS), COLUMN(was, 1, KINDS), COLUMN(share, 2, REACTION),
     COLUMN(strain, 3, STRAIN),
     /* what only one force evaluation needs */
-    COLUMN(far_sum, 2, FAR), COLUMN(pair_sum, SUM_COUNT, NEAR), COLUMN(virial, 3, ALWAYS),
+    COLUMN(far_sum, 2, FAR), COLUMN(pair_sum, SUM_COUNT, NEAR), COLUMN(virial, VIRIAL_COUNT, ALWAYS),
     COLUMN(around, AROUND_COUNT, NEAR),
 };
 enum { COLUMNS = sizeof columns / sizeof columns[0], STATE_COLUMNS = COLUMNS - 4 };

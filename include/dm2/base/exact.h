@@ -30,6 +30,8 @@ static inline void exact_merge(struct exact_sum *sum, const struct exact_sum *ot
 static inline bool exact_add(struct exact_sum *sum, double value, int shift)
 {
     double scaled = value * real_pow2(shift - 64); /* in units of 2^64 quanta; exact unless it underflows */
+    if (scaled == 0.0)
+        return true;
     if (!(fabs(scaled) < 0x1p56))
         return false;
     int64_t hi = (int64_t)scaled; /* towards zero */

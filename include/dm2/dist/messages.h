@@ -126,7 +126,7 @@ struct state_message {
 /* What a server counted in a session; seconds. */
 struct server_times {
     double forces, integrate, rebuild, pack, wait, unpack, output;
-    double cpu; /* of the processor, in all steps */
+    double cpu; /* of the processor: computing, packing and unpacking in all steps */
     uint64_t steps, rebuilds, migrants, mirrored; /* migrants sent away; mirrored: sum over steps */
     uint64_t messages_in, messages_out, bytes_in, bytes_out;
 };

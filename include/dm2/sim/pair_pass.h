@@ -7,7 +7,6 @@
 #include <stdint.h>
 
 #include "dm2/sim/force.h"
-#include "dm2/sim/law.h"
 
 /* Largest magnitude that near effects and energies may have in fixed point: 64 pairs may meet in one element. */
 #define FIXED_RANGE 0x1p57
@@ -50,7 +49,7 @@ static inline void add_virial(const struct pass *pass, uint32_t i, uint32_t j, d
 {
     double s = pass->m->fixed.virial;
     int64_t xx = to_fixed(dx * fx * s), yy = to_fixed(dy * fy * s), xy = to_fixed(0.5 * (dx * fy + dy * fx) * s);
-    int64_t *vi = pass->p->virial + 3 * i, *vj = pass->p->virial + 3 * (size_t)j;
+    int64_t *vi = pass->p->virial + VIRIAL_COUNT * (size_t)i, *vj = pass->p->virial + VIRIAL_COUNT * (size_t)j;
     vi[0] += xx;
     vi[1] += yy;
     vi[2] += xy;
@@ -65,12 +64,7 @@ void far_evaluate(struct pass *pass, struct lists *lists);
 /* Evaluates entry k of the near row of i by the plain path. */
 typedef void take_single(struct pass *pass, struct lists *lists, uint32_t i, uint32_t k);
 
-/* Adds a pair's part of the measures: difference vector, n and effect. */
-typedef void measure_pair(struct pass *pass, uint32_t i, uint32_t j, double dx, double dy, double nx, double ny,
-                          const struct pair_effect *e, bool linked);
-
-/* The quads of lists->links, which are sorted; `single` takes the links that need more than most; `measure`, unless NULL,
- * gets each of the others. */
-void near_wide(struct pass *pass, struct lists *lists, take_single *single, measure_pair *measure);
+/* The quads of lists->links, which are sorted; `single` takes the links that need more than most. */
+void near_wide(struct pass *pass, struct lists *lists, take_single *single);
 
 #endif
