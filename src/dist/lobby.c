@@ -8,6 +8,7 @@
  * A visitor that is refused gets the same words as in a session, whatever the reason; the log has the reason. */
 #include "dm2/dist/lobby.h"
 
+#include <errno.h>
 #include <math.h>
 #include <poll.h>
 #include <stdio.h>
@@ -234,6 +235,10 @@ static enum lobby_wake turn(struct lobby *l, int fd, struct deadline until, stru
             polls[n++] = (struct pollfd){.fd = l->visitors[k].channel.fd, .events = POLLIN};
     double left = next_round(l, until.at) - clock_now();
     int ready = poll(polls, n, left <= 0 ? 0 : left > 1e6 ? 1000000000 : (int)ceil(left * 1000));
+    if (ready < 0 && errno != EINTR && errno != EAGAIN) {
+        (void)dm2_fail(err, DM2_NET, "poll: %s", strerror(errno));
+        return WAKE_BROKEN;
+    }
     bool more = ready > 0 && polls[2].revents != 0;
     if (ready > 0 && polls[1].revents != 0)
         return WAKE_CANCEL;
