@@ -2,7 +2,7 @@
 # deck's comment promises is seen. Then the same decks, smaller by one `let` but with all of their steps: 1, 2, 4 and 7
 # servers leave the same bytes as one process. (scripts/validate-decks.sh does that at full size.)
 # labels: e2e physics bits
-# timeout: 180
+# timeout: 300
 . "$DM2_SRC/tests/lib.sh"
 
 # last COLUMN, largest COLUMN: of history.csv of the run, by the start of the column's name.
@@ -92,3 +92,6 @@ awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) { sub(/ .*/, "", $i); at[$i] = i };
 
 check plate-impact scale=0.5
 [ "$(last links)" -lt "$(largest links)" ] || fail "the plate impact tore nothing"
+
+check phase-front rows=8
+within "$(largest temperature_max)" 310 600 "the hottest element"

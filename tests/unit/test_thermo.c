@@ -336,8 +336,9 @@ static double freed(const char *start)
     struct measures m = measured_step(&g);
     double before = energy_of(&g, &m.chemical);
     m = measured_step(&g);
+    double after = energy_of(&g, &m.chemical);
     engine_stop(&g);
-    return before - energy_of(&g, &m.chemical);
+    return before - after;
 }
 
 TEST(a_mixture_reacts_as_arrhenius_says)
