@@ -142,7 +142,6 @@ DM2_INLINE bool measure_lanes(const struct pass *pass, const struct bond *bond, 
     const struct fixed_scales *scale = &pass->m->fixed;
     const simd_real zero = {0.0};
     const simd_int link = {TALLY_LINK, TALLY_LINK, TALLY_LINK, TALLY_LINK}, one = link / TALLY_LINK;
-    simd_real fn = *f_n, ft = *f_t, elastic = 0.5 * law->kt_link * (*spring * *spring) * scale->energy;
     simd_real dx = at->dx, dy = at->dy, fx = fn * at->nx - ft * at->ny, fy = fn * at->ny + ft * at->nx;
     simd_real xx = dx * fx * scale->virial, yy = dy * fy * scale->virial;
     simd_real xy = 0.5 * (dx * fy + dy * fx) * scale->virial;
