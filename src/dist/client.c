@@ -316,7 +316,7 @@ static enum dm2_status wait_for_any(struct client *c, double since, double note_
     double until = note_at > now && note_at < first ? note_at : first;
     c->polls[*n] = (struct pollfd){.fd = c->course->stopping ? -1 : c->options->cancel, .events = POLLIN};
     double wait = until > now ? ceil(1000 * (until - now)) : 0;
-    int ready = poll(c->polls, (nfds_t)*n + 1, wait < 1e9 ? (int)wait : 1000000000);
+    int ready = socket_poll(c->polls, (nfds_t)*n + 1, wait < 1e9 ? (int)wait : 1000000000);
     if (ready < 0 && errno != EINTR && errno != EAGAIN)
         return dm2_fail(err, DM2_NET, "poll: %s", strerror(errno));
     bool asked = ready > 0 && c->polls[*n].revents != 0;

@@ -234,7 +234,7 @@ static enum lobby_wake turn(struct lobby *l, int fd, struct deadline until, stru
         if (l->visitors[k].kind != VISITOR_CLIENT && !l->visitors[k].vague)
             polls[n++] = (struct pollfd){.fd = l->visitors[k].channel.fd, .events = POLLIN};
     double left = next_round(l, until.at) - clock_now();
-    int ready = poll(polls, n, left <= 0 ? 0 : left > 1e6 ? 1000000000 : (int)ceil(left * 1000));
+    int ready = socket_poll(polls, n, left <= 0 ? 0 : left > 1e6 ? 1000000000 : (int)ceil(left * 1000));
     if (ready < 0 && errno != EINTR && errno != EAGAIN) {
         (void)dm2_fail(err, DM2_NET, "poll: %s", strerror(errno));
         return WAKE_BROKEN;
