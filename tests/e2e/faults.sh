@@ -1,4 +1,4 @@
-# Faults between the client and its servers: one seed of each kind of tests/tools/faults.c, a server that sends back what
+# Faults between the client and its servers: the kinds of tests/tools/faults.c, a server that sends back what
 # it gets, and one that miscounts its elements. `make soak` runs more seeds.
 # labels: e2e bits
 # timeout: 150
@@ -6,16 +6,17 @@
 proxy=$DM2_BUILD/tools/proxy
 client=$DM2_BIN/dm2-client
 
-sh "$DM2_SRC/tests/soak.sh" -s 169 -n 16 >soak.out || {
+sh "$DM2_SRC/tests/soak.sh" -s 135 -n 16 >soak.out || {
     cat soak.out
     fail 'a run through faults did not end as it should'
 }
 tail -n 16 soak.out
 while read -r kind injected rest; do
-    [ "$injected" != 0 ] || fail "no fault of the kind $kind happened: choose other seeds"
+    [ "$injected" != 0 ] || fail "no fault of the kind $kind happened"
 done <soak.out
 
-# tool NAME COMMAND...: starts a program of ours that prints a line first; TOOL_PID, TOOL_LINE. Descriptor 5 is its input.
+# tool NAME COMMAND...: starts a program that prints a line first. Sets TOOL_PID and TOOL_LINE; descriptor 5 is its
+# input, 6 its output.
 tool()
 {
     mkfifo "$1.in" "$1.out"
@@ -31,7 +32,8 @@ tool()
 "$DM2_BIN/dm2-server" --new-key key >/dev/null || fail 'no key'
 for key in '' '--key key'; do
     tool "mirror${key:+2}" "$DM2_BUILD/tools/tcp" mirror
-    expect_status 3 "$client" "$DM2_SRC/tests/decks/good/scatter.dm2" -o reflected --timeout 5 $key --server "127.0.0.1:$TOOL_LINE"
+    expect_status 3 "$client" "$DM2_SRC/tests/decks/good/scatter.dm2" -o reflected --timeout 5 $key \
+        --server "127.0.0.1:$TOOL_LINE"
     wait "$TOOL_PID" || fail 'the mirror had no connection'
     case $key in
     '') expect_text err 'it sent HELLO where WELCOME is due' ;;

@@ -1,18 +1,19 @@
-/* Runs dm2-client through faults (tests/tools/proxy.c) that are drawn from seeds, and judges how each run ends.
+/* Runs dm2-client through faults (tests/tools/proxy.c) that are drawn from seeds, and judges how each run
+ * ends.
  *
- *     faults SEED RUNS FAULTS TIMEOUT     seeds from SEED on, until RUNS runs are done or FAULTS faults have happened
+ *     faults SEED RUNS FAULTS TIMEOUT     seeds from SEED on, until FAULTS faults have happened, of every
+ * kind one at least, or RUNS runs are done
  *
- * The working directory has deck.dm2, its sequential results in whole/, and a key file `key`; DM2_BIN and DM2_BUILD are
- * set. A seed chooses the number of servers, 2 to 8, whether there is a key, checkpoints, whether killed servers come
- * back, and one to three faults; what the first is goes round with the seed, so that consecutive seeds cover every kind.
- * Servers live on from run to run.
+ * The working directory has deck.dm2, its sequential results in whole/, and a key file `key`; DM2_BIN and
+ * DM2_BUILD are set. A seed chooses the number of servers, 2 to 8, whether there is a key, checkpoints,
+ * whether killed servers come back, and one to three faults; what the first is goes round with the seed, so
+ * that consecutive seeds cover every kind. Servers live on from run to run.
  *
  * A run is right when it ends within its deadline and
  *     same       its results are those of the sequential run to the byte, or
- *     continued  it ended with a sentence or was killed, no result is under its final name, and its last checkpoint
- *                leads to the same bytes, or
- *     ended      as before, but there was no checkpoint yet
- * and when its servers serve another client afterwards. All else is a failure: its seed is printed, its directory kept,
+ *     continued  it ended with a sentence or was killed, no result is under its final name, and its last
+ * checkpoint leads to the same bytes, or ended      as before, but there was no checkpoint yet and when its
+ * servers serve another client afterwards. All else is a failure: its seed is printed, its directory kept,
  * and the exit status 1. The last lines are a table of kinds and ends. */
 #include <errno.h>
 #include <fcntl.h>
@@ -33,8 +34,9 @@
 enum { SERVERS = 8, ARGS = 80, TEXT = 200, KINDS = 14, MOST_FAULTS = 3, LINE = 400 };
 enum outcome { SAME, CONTINUED, ENDED, FAILED, OUTCOMES };
 
-static const char *const KIND[KINDS] = {"reset", "flip",   "kill",  "silence", "halfclose", "slices",      "truncate",
-                                        "stop",  "double", "delay", "drop",    "kill-client", "swap", "stop-client"};
+static const char *const KIND[KINDS] = {"reset",  "flip",        "kill", "silence",    "halfclose",
+                                        "slices", "truncate",    "stop", "double",     "delay",
+                                        "drop",   "kill-client", "swap", "stop-client"};
 static const double DEADLINE = 60; /* of a run, in units of 1.5 s of timeout */
 
 struct server {
@@ -110,7 +112,8 @@ static void start_server(bool keyed, int k)
     (void)snprintf(path, sizeof path, "%s/dm2-server", bin);
     (void)snprintf(port, sizeof port, "%d", s->port);
     (void)snprintf(log, sizeof log, "server-%d-%d.log", keyed, k);
-    const char *argv[] = {path, "--port", port, "--timeout", client_timeout, keyed ? "--key" : NULL, "key", NULL};
+    const char *argv[] = {path,  "--port", port, "--timeout", client_timeout, keyed ? "--key" : NULL,
+                          "key", NULL};
     open_pipe(out);
     s->pid = start(argv, -1, out[1], log, -1);
     (void)close(out[1]);
@@ -181,7 +184,8 @@ static void remove_run(void)
     (void)run(argv, "faults.log", 10, &status);
 }
 
-/* --- one run ----------------------------------------------------------------------------------------------- */
+/* --- one run -----------------------------------------------------------------------------------------------
+ */
 
 static uint64_t draw(const struct trial *t, uint64_t which, uint64_t below)
 {
@@ -297,8 +301,8 @@ static bool run_client(struct trial *t, int *status)
 {
     char line[LINE], path[TEXT], text[SERVERS][32], who[40];
     int in, out, life[2], n = 0;
-    const char *argv[ARGS] = {path,           "deck.dm2",  "-o",  "run",          "-q", "--timeout", client_timeout,
-                        "--reconnect", "0.3", "--copy-every", "7"};
+    const char *argv[ARGS] = {path,           "deck.dm2",    "-o",  "run",          "-q", "--timeout",
+                              client_timeout, "--reconnect", "0.3", "--copy-every", "7"};
     (void)snprintf(path, sizeof path, "%s/dm2-client", bin);
     while (argv[n] != NULL)
         n++;
@@ -343,7 +347,8 @@ static bool run_client(struct trial *t, int *status)
     return ended;
 }
 
-/* --- the judgement ------------------------------------------------------------------------------------------ */
+/* --- the judgement
+ * ------------------------------------------------------------------------------------------ */
 
 static enum outcome failed(struct trial *t, const char *why)
 {
@@ -396,7 +401,8 @@ static enum outcome judge(struct trial *t, bool ended, int status)
 static enum outcome judge_servers(struct trial *t, enum outcome so_far)
 {
     char path[TEXT], line[LINE] = "", text[SERVERS][32];
-    const char *argv[ARGS] = {path, "deck.dm2", "-o", "health", "-q", "--steps", "3", "--no-recover", "--timeout", "20"};
+    const char *argv[ARGS] = {path,      "deck.dm2", "-o",           "health",    "-q",
+                              "--steps", "3",        "--no-recover", "--timeout", "20"};
     int n = 0, status;
     (void)snprintf(path, sizeof path, "%s/dm2-client", bin);
     while (argv[n] != NULL)
@@ -454,8 +460,8 @@ static void keep(uint64_t seed)
     (void)rename("err", "run/err");
     (void)rename("err.more", "run/err.more");
     if (rename("run", name) == 0)
-        (void)printf("seed %llu: what it left is in %s; to repeat it: faults %llu 1 1 %s\n", (unsigned long long)seed,
-                     name, (unsigned long long)seed, client_timeout);
+        (void)printf("seed %llu: what it left is in %s; to repeat it: faults %llu 1 1 %s\n",
+                     (unsigned long long)seed, name, (unsigned long long)seed, client_timeout);
 }
 
 static void stop_servers(void)
@@ -470,19 +476,27 @@ static void stop_servers(void)
     }
 }
 
+static bool every_kind(void)
+{
+    for (int k = 0; k < KINDS; k++)
+        if (table[k][SAME] + table[k][CONTINUED] + table[k][ENDED] + table[k][FAILED] == 0)
+            return false;
+    return true;
+}
+
 static void print_table(int runs, int injected)
 {
     (void)printf("%-12s %8s %8s %10s %8s %8s\n", "fault", "injected", "same", "continued", "ended", "failed");
     int sum[OUTCOMES] = {0};
     for (int k = 0; k < KINDS; k++) {
         const int *n = table[k];
-        (void)printf("%-12s %8d %8d %10d %8d %8d\n", KIND[k], n[SAME] + n[CONTINUED] + n[ENDED] + n[FAILED], n[SAME],
-                     n[CONTINUED], n[ENDED], n[FAILED]);
+        (void)printf("%-12s %8d %8d %10d %8d %8d\n", KIND[k], n[SAME] + n[CONTINUED] + n[ENDED] + n[FAILED],
+                     n[SAME], n[CONTINUED], n[ENDED], n[FAILED]);
         for (int o = 0; o < OUTCOMES; o++)
             sum[o] += n[o];
     }
-    (void)printf("%-12s %8d %8d %10d %8d %8d   in %d runs\n", "all", injected, sum[SAME], sum[CONTINUED], sum[ENDED],
-                 sum[FAILED], runs);
+    (void)printf("%-12s %8d %8d %10d %8d %8d   in %d runs\n", "all", injected, sum[SAME], sum[CONTINUED],
+                 sum[ENDED], sum[FAILED], runs);
 }
 
 int main(int argc, char **argv)
@@ -502,7 +516,7 @@ int main(int argc, char **argv)
     int runs = 0, injected = 0, failures = 0;
     (void)snprintf(client_timeout, sizeof client_timeout, "%.20s", argv[4]);
     deadline = DEADLINE / 1.5 * strtod(client_timeout, NULL);
-    for (; runs < most && injected < wanted; runs++, seed++) {
+    for (; runs < most && (injected < wanted || !every_kind()); runs++, seed++) {
         struct trial t;
         if (try_seed(&t, seed) == FAILED) {
             failures++;

@@ -2,13 +2,13 @@
  *
  *     proxy [--fault KIND,SERVER,DIRECTION,FRAME,BYTE,ARG]... PORT...
  *
- * It prints one line with the ports that stand for the servers' PORTs, and one line per fault when it has happened.
- * Lines of standard input say who is who: "K PID", the process of server K from 0, or of the client where K is 8. The
- * program ends with standard input.
+ * It prints one line with the ports that stand for the servers' PORTs, and one line per fault when it has
+ * happened. Lines of standard input say who is who: "K PID", the process of server K from 0, or of the client
+ * where K is 8. The program ends with standard input.
  *
- * It follows the frames of docs/protocol.md as the honest end sends them. A fault happens in the FRAME-th frame (from 0)
- * of SERVER's connections in DIRECTION (up: to the server), counted from the fault before it, at byte BYTE modulo the
- * frame's length. That frame is collected whole, then changed:
+ * It follows the frames of docs/protocol.md as the honest end sends them. A fault happens in the FRAME-th
+ * frame (from 0) of SERVER's connections in DIRECTION (up: to the server), counted from the fault before it,
+ * at byte BYTE modulo the frame's length. That frame is collected whole, then changed:
  *
  *     reset     what is before the byte goes on, then both connections are reset
  *     halfclose what is before the byte goes on, then the end of the stream; the other direction lives
@@ -58,9 +58,10 @@ struct stream {
     int fault;          /* which; -1: none */
     struct store later; /* a frame that comes after the next */
     struct store out;
-    size_t slices; /* bytes to go one by one */
-    double held;   /* nothing goes on before */
-    bool eof, ended, deaf, shut; /* the input is at its end; the output has one; nothing is passed on; it is closed */
+    size_t slices;   /* bytes to go one by one */
+    double held;     /* nothing goes on before */
+    bool eof, ended; /* of what comes in, of what goes out */
+    bool deaf, shut; /* nothing is passed on any more; the output is closed */
 };
 
 struct conn {
@@ -422,7 +423,9 @@ static bool turn(void)
             short events = 0;
             if (c->used && c->fd[1] >= 0) {
                 /* the stream that comes in from this side is the other one */
-                events = (short)((in->eof ? 0 : in->out.n < 16 * CHUNK ? POLLIN : 0) |
+                events = (short)((in->eof                  ? 0
+                                  : in->out.n < 16 * CHUNK ? POLLIN
+                                                           : 0) |
                                  (out->out.n > 0 && !held ? POLLOUT : 0));
             }
             p[n++] = (struct pollfd){.fd = events != 0 ? c->fd[side] : -1, .events = events};
@@ -456,8 +459,8 @@ static void read_options(int argc, char **argv)
         struct fault *f = &faults[n_faults];
         char direction[8];
         if (strcmp(argv[k], "--fault") == 0 && n_faults < FAULTS &&
-                   sscanf(argv[k + 1], "%15[a-z-],%d,%7[a-z],%d,%lu,%lu", f->kind, &f->server, direction, &f->frame,
-                          &f->byte, &f->arg) == 6) {
+            sscanf(argv[k + 1], "%15[a-z-],%d,%7[a-z],%d,%lu,%lu", f->kind, &f->server, direction, &f->frame,
+                   &f->byte, &f->arg) == 6) {
             f->direction = strcmp(direction, "up") == 0;
             n_faults++;
         } else {
