@@ -55,6 +55,7 @@ TOOLS    := $(TOOL_SRC:tests/tools/%.c=$(BUILD)/tools/%)
 
 FUZZ_SRC := $(wildcard tests/fuzz/fuzz_*.c)
 FUZZED   := $(FUZZ_SRC:tests/fuzz/%.c=$(BUILD)/fuzz/replay_%)
+FAILING  := $(patsubst src/app/%.c,$(BUILD)/failing/%,$(filter src/app/dm2-%.c,$(APP_SRC)))
 
 .PHONY: soak fuzz all tests test figures bench demo install uninstall clean help FORCE
 .SUFFIXES:
@@ -62,7 +63,7 @@ FUZZED   := $(FUZZ_SRC:tests/fuzz/%.c=$(BUILD)/fuzz/replay_%)
 
 all: $(PROGRAMS)
 
-tests: $(TESTS) $(TOOLS) $(FUZZED) $(BUILD)/failing/dm2-seq
+tests: $(TESTS) $(TOOLS) $(FUZZED) $(FAILING) $(BUILD)/failing/losing-server
 
 test: all tests
 	$(Q)CC='$(CC)' DM2_BIN=$(abspath $(BIN)) DM2_BUILD=$(abspath $(BUILD)) FLAVOUR=$(FLAVOUR) \
@@ -109,8 +110,12 @@ $(BUILD)/fuzz/replay_%: $(BUILD)/tests/fuzz/%.o $(BUILD)/tests/fuzz/replay.o $(B
 	$(Q)mkdir -p $(@D)
 	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) -o $@ $^ $(LDLIBS)
 
+$(BUILD)/failing/losing-server: $(BUILD)/src/app/dm2-server.o $(BUILD)/tests/failing/losing.o $(BUILD)/libdm2.a
+	$(Q)mkdir -p $(@D)
+	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) -Wl,--wrap=subdomain_owned -o $@ $^ $(LDLIBS)
+
 # Programs whose system calls fail when they are told to (tests/failing/failing.c).
-WRAPPED := malloc calloc realloc posix_memalign open write fsync rename
+WRAPPED := malloc calloc realloc posix_memalign open write fsync rename read writev poll socket accept connect pipe fork
 $(BUILD)/failing/%: $(BUILD)/src/app/%.o $(BUILD)/tests/failing/failing.o $(BUILD)/libdm2.a
 	$(Q)mkdir -p $(@D)
 	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) $(WRAPPED:%=-Wl,--wrap=%) -o $@ $^ $(LDLIBS)

@@ -11,6 +11,7 @@
 #include "dm2/app/prediction.h"
 #include "dm2/app/progress.h"
 #include "dm2/app/run.h"
+#include "dm2/app/server_status.h"
 #include "dm2/app/signals.h"
 #include "dm2/base/mem.h"
 #include "dm2/base/version.h"
@@ -21,6 +22,7 @@
 #include "dm2/net/socket.h"
 
 static const char PROGRAM[] = "dm2-client";
+static const double STATUS_SECONDS = 10; /* for a server to say what it does */
 
 enum { LOCAL_MOST = 1024, PROBE_TURNS = 15 };
 
@@ -30,7 +32,7 @@ struct client_command {
     struct option_list servers;
     const char *hosts, *balance, *key_file, *calibration_file;
     struct auth_key key;
-    bool send_deck, no_recover;
+    bool send_deck, no_recover, status;
     double timeout, reconnect;
     int64_t copy_every; /* -1: by cost */
     const char *argv0;
@@ -45,9 +47,21 @@ struct display {
     bool quiet;
 };
 
+/* --status needs servers and no deck. */
+static enum dm2_status check_status(const struct client_command *c, struct dm2_error *err)
+{
+    if (c->run.help || c->run.version)
+        return DM2_OK;
+    if (c->hosts == NULL && c->servers.n == 0)
+        return dm2_fail(err, DM2_USAGE, "--status of which servers? --hosts FILE or --server HOST[:PORT] name them");
+    if (c->run.operands.n > 0)
+        return dm2_fail(err, DM2_USAGE, "'%s' is too much: --status runs no deck", c->run.operands.items[0]);
+    return DM2_OK;
+}
+
 static enum dm2_status parse(struct client_command *c, int argc, char **argv, struct dm2_error *err)
 {
-    enum { OWN = 11 };
+    enum { OWN = 12 };
     *c = (struct client_command){.timeout = 60, .reconnect = 5, .copy_every = -1, .argv0 = argv[0], .cancel = -1};
     struct option table[OWN + RUN_OPTIONS] = {
         {"local", 'n', OPTION_INTEGER, &c->local, "N", "starts N servers on this machine for this run", 1,
@@ -57,6 +71,8 @@ static enum dm2_status parse(struct client_command *c, int argc, char **argv, st
         {"server", 0, OPTION_LIST, &c->servers, "HOST[:PORT]", "uses this server; may be repeated", 0, 0},
         {"key", 0, OPTION_TEXT, &c->key_file, "FILE",
          "proves this key to the servers, and wants them to prove it", 0, 0},
+        {"status", 0, OPTION_FLAG, &c->status, NULL,
+         "prints what the servers of --hosts or --server do, and stops", 0, 0},
         {"balance", 0, OPTION_TEXT, &c->balance, "WHAT",
          "cuts by space or particles (default: as the deck says)", 0, 0},
         {"calibration", 0, OPTION_TEXT, &c->calibration_file, "FILE",
@@ -71,14 +87,17 @@ static enum dm2_status parse(struct client_command *c, int argc, char **argv, st
         {"copy-every", 0, OPTION_INTEGER, &c->copy_every, "K",
          "takes a copy of the state every K steps, to go back to (default: by its cost; 0: none)", 0, INT64_MAX},
     };
-    run_options_start(&c->run, PROGRAM, table + OWN);
+    run_options_start(&c->run, PROGRAM, argc, argv, table + OWN);
     enum dm2_status status = options_parse(table, OWN + RUN_OPTIONS, argc, argv, &c->run.operands, err);
     if (status == DM2_OK && c->run.help) {
         (void)printf("usage: %s DECK [-n N | --hosts FILE | --server HOST[:PORT]...] [options]\n"
+                     "       %s --status --hosts FILE [--key FILE]\n"
                      "Runs a deck on servers. Without any, one per core is started on this machine.\n\n",
-                     PROGRAM);
+                     PROGRAM, PROGRAM);
         options_print(stdout, table, OWN + RUN_OPTIONS);
     }
+    if (status == DM2_OK && c->status)
+        return check_status(c, err);
     if (status == DM2_OK)
         status = run_options_finish(&c->run, err);
     if (status == DM2_OK && c->local > 0 && (c->hosts != NULL || c->servers.n > 0))
@@ -331,6 +350,19 @@ static enum dm2_status find_calibration(struct client_command *c, struct dm2_err
     return status;
 }
 
+static enum dm2_status tell_status(struct client_command *c, struct dm2_error *err)
+{
+    struct endpoints servers = {0};
+    enum dm2_status status = named_servers(c, &servers, err);
+    if (status == DM2_OK && c->key_file != NULL)
+        status = auth_key_read(c->key_file, &c->key, err);
+    if (status == DM2_OK)
+        status = server_status_print(stdout, &servers, c->key_file != NULL ? &c->key : NULL,
+                                     c->timeout < STATUS_SECONDS ? c->timeout : STATUS_SECONDS, c->cancel, err);
+    endpoints_free(&servers);
+    return status;
+}
+
 static enum dm2_status work(struct client_command *c, struct dm2_error *err)
 {
     struct endpoints servers = {0};
@@ -365,7 +397,7 @@ int main(int argc, char **argv)
         run_print_version(PROGRAM);
     if (status == DM2_OK && !c.run.help && !c.run.version) {
         c.cancel = signals_catch();
-        status = work(&c, &err);
+        status = c.status ? tell_status(&c, &err) : work(&c, &err);
     }
     option_list_free(&c.servers);
     run_options_free(&c.run);

@@ -287,7 +287,7 @@ int main(int argc, char **argv)
     struct run_options options;
     struct option table[RUN_OPTIONS];
     struct dm2_error err = {0};
-    run_options_start(&options, PROGRAM, table);
+    run_options_start(&options, PROGRAM, argc, argv, table);
     enum dm2_status status = options_parse(table, RUN_OPTIONS, argc, argv, &options.operands, &err);
     if (status == DM2_OK && options.help) {
         (void)printf("usage: %s DECK [options]\nRuns a deck in this one process.\n\n", PROGRAM);

@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "dm2/app/child.h"
+#include "dm2/base/machine.h"
 #include "dm2/base/mem.h"
 #include "dm2/net/socket.h"
 
@@ -135,10 +136,6 @@ void local_servers_stop(struct local_servers *servers)
 
 int local_servers_cores(void)
 {
-#ifdef _SC_NPROCESSORS_ONLN
-    long cores = sysconf(_SC_NPROCESSORS_ONLN);
-    return cores < 1 ? 1 : cores > 1024 ? 1024 : (int)cores;
-#else
-    return 1;
-#endif
+    int cores = machine_cores();
+    return cores > 1024 ? 1024 : cores;
 }

@@ -39,6 +39,19 @@ static double k_of(const struct run_report *r)
     return r->servers[0].times.cpu / (double)r->steps * cells / (n * n);
 }
 
+static int compare(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* The median: one run that something disturbed says nothing about the others. Orders `values`. */
+static double median_of(double *values, size_t n)
+{
+    qsort(values, n, sizeof *values, compare);
+    return 0.5 * (values[n / 2] + values[(n - 1) / 2]);
+}
+
 static void note_run(struct calibration *out, const struct run_report *r, struct perf_size *size)
 {
     double n = (double)r->elements, cells = (double)r->servers[0].cells;
@@ -55,7 +68,6 @@ static enum dm2_status measure_size(const struct calibrate *c, double wanted, in
     static double shared[RUNS_MOST];
     int runs = (int)c->sweep.runs;
     size_t n_shared = 0;
-    double deviation;
     enum dm2_status status = DM2_OK;
     for (int run = 1; run <= runs && status == DM2_OK; run++) {
         struct run_report r;
@@ -75,20 +87,12 @@ static enum dm2_status measure_size(const struct calibrate *c, double wanted, in
     }
     if (status != DM2_OK)
         return status;
-    fit_spread(alone, (size_t)runs, &size->alone, &deviation);
-    size->shared = size->alone;
-    if (n_shared > 0)
-        fit_spread(shared, n_shared, &size->shared, &deviation);
+    size->alone = median_of(alone, (size_t)runs);
+    size->shared = n_shared > 0 ? median_of(shared, n_shared) : size->alone;
     (void)printf("%8.0f elements: k = %.4g s alone, %.4g s with %d at once\n", size->n, size->alone, size->shared,
                  processors);
     (void)fflush(stdout);
     return DM2_OK;
-}
-
-static int compare_sizes(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return x < y ? -1 : x > y;
 }
 
 /* k at every size, their mean and spread over the runs alone, L_x = L_y of the largest, and g. */
@@ -100,7 +104,7 @@ static enum dm2_status measure_k(struct calibrate *c, struct calibration *out, s
     enum dm2_status status = DM2_OK;
     if (c->servers.named.n > 0)
         processors = 1; /* each server has its machine */
-    qsort(c->sweep.n, (size_t)c->sweep.sizes, sizeof c->sweep.n[0], compare_sizes);
+    qsort(c->sweep.n, (size_t)c->sweep.sizes, sizeof c->sweep.n[0], compare);
     for (int i = 0; i < c->sweep.sizes && status == DM2_OK; i++) {
         struct perf_size *size = &out->perf.size[out->perf.n_size];
         status = measure_size(c, c->sweep.n[i], processors, k + count, out, size, err);

@@ -67,7 +67,7 @@ void prediction_estimated(const struct network_line *line, const struct run_repo
     for (int k = 0; k < r->ranks; k++) {
         const struct server_times *t = &r->servers[k].times;
         double computing = t->forces + t->integrate + t->rebuild;
-        double all = computing + t->pack + t->unpack + t->output;
+        double all = computing + t->pack + t->unpack;
         if (t->steps > 0 && all > 0)
             out->t_seq += t->cpu * (computing / all) / (double)t->steps;
     }

@@ -9,9 +9,15 @@
 #include "dm2/sim/deck_digest.h"
 #include "dm2/sim/subdomain.h"
 
-void run_options_start(struct run_options *o, const char *program, struct option table[RUN_OPTIONS])
+void run_options_start(struct run_options *o, const char *program, int argc, char **argv,
+                       struct option table[RUN_OPTIONS])
 {
-    *o = (struct run_options){.program = program, .steps = -1, .checkpoint_every = -1, .progress_text = "auto"};
+    *o = (struct run_options){.program = program,
+                              .argc = argc,
+                              .argv = argv,
+                              .steps = -1,
+                              .checkpoint_every = -1,
+                              .progress_text = "auto"};
     const struct option options[RUN_OPTIONS] = {
         {"output", 'o', OPTION_TEXT, &o->directory, "DIR", "run directory (default: the deck's name + .run)",
          0, 0},
@@ -220,17 +226,49 @@ int64_t run_checkpoint_every(const struct run_options *o, const struct run *run)
     return o->checkpoint_every >= 0 ? o->checkpoint_every : run->config.output.checkpoint_every;
 }
 
+/* A word as a shell reads it back. */
+static void print_quoted(FILE *to, const char *word)
+{
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./=:,+@%";
+    if (word[0] != '\0' && word[strspn(word, plain)] == '\0') {
+        (void)fputs(word, to);
+        return;
+    }
+    (void)fputc('\'', to);
+    for (const char *c = word; *c != '\0'; c++)
+        if (*c == '\'')
+            (void)fputs("'\\''", to);
+        else
+            (void)fputc(*c, to);
+    (void)fputc('\'', to);
+}
+
+/* The number of words that name what the run began from, at `word`: they are left out. */
+static int words_of_restart(const char *word)
+{
+    return strcmp(word, "--restart") == 0 ? 2 : strncmp(word, "--restart=", 10) == 0 || strcmp(word, "--overwrite") == 0;
+}
+
 void run_print_restart(const struct run_options *o, const struct results *results)
 {
+    char checkpoint[4096];
     if (results == NULL || results_checkpoint_step(results) < 0)
         return;
-    (void)fprintf(stderr, "%s: the last checkpoint is of step %lld; to continue: %s %s", o->program,
-                  (long long)results_checkpoint_step(results), o->program, o->deck);
-    for (size_t k = 0; k < o->defines.n; k++)
-        (void)fprintf(stderr, " -D '%s'", o->defines.items[k]);
-    if (o->steps >= 0)
-        (void)fprintf(stderr, " --steps %lld", (long long)o->steps);
-    (void)fprintf(stderr, " --restart %s/checkpoint.dm2\n", results_directory(results));
+    (void)fprintf(stderr, "%s: the last checkpoint is of step %lld; to continue: ", o->program,
+                  (long long)results_checkpoint_step(results));
+    print_quoted(stderr, o->argv[0]);
+    (void)snprintf(checkpoint, sizeof checkpoint, "%s/checkpoint.dm2", results_directory(results));
+    (void)fputs(" --restart ", stderr);
+    print_quoted(stderr, checkpoint);
+    for (int k = 1; k < o->argc;) {
+        int left_out = words_of_restart(o->argv[k]);
+        if (left_out == 0) {
+            (void)fputc(' ', stderr);
+            print_quoted(stderr, o->argv[k]);
+        }
+        k += left_out == 0 ? 1 : left_out;
+    }
+    (void)fputc('\n', stderr);
 }
 
 /* Generates one rank's subdomain and tells its size. */

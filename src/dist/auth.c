@@ -4,7 +4,7 @@
  * by whatever carries files between the machines. It is made with mode 0600 from the start (never briefly readable),
  * and one that others can read is refused rather than repaired: it may have been read already.
  *
- * Codes and session keys are all HMAC(key, label, version, client nonce, server nonce) with four different labels of
+ * Codes and session keys are all HMAC(key, label, version, client nonce, server nonce) with different labels of
  * one length, so that no code can stand for another. */
 #include "dm2/dist/auth.h"
 
@@ -145,13 +145,15 @@ static void make_code(const struct auth_key *key, const char *name, uint16_t ver
 void auth_code(const struct auth_key *key, enum auth_role role, uint16_t version,
                const struct auth_nonces *nonces, unsigned char code[AUTH_CODE])
 {
-    make_code(key, role == AUTH_CLIENT ? "dm2 client" : "dm2 server", version, nonces, code);
+    static const char *const labels[] = {
+        [AUTH_CLIENT] = "dm2 client", [AUTH_SERVER] = "dm2 server", [AUTH_ASKER] = "dm2 asker"};
+    make_code(key, labels[role], version, nonces, code);
 }
 
 void auth_session_key(const struct auth_key *key, enum auth_role role, uint16_t version,
                       const struct auth_nonces *nonces, unsigned char out[SIPHASH_KEY])
 {
     unsigned char code[AUTH_CODE];
-    make_code(key, role == AUTH_CLIENT ? "dm2 from client" : "dm2 from server", version, nonces, code);
+    make_code(key, role == AUTH_SERVER ? "dm2 from server" : "dm2 from client", version, nonces, code);
     memcpy(out, code, SIPHASH_KEY);
 }

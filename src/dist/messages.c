@@ -327,22 +327,63 @@ void message_get_done(struct bytes_reader *r, struct done_message *m)
     require(r, bytes_done(r));
 }
 
+/* Texts of others end up on terminals and in logs: control characters are made visible. */
+static void show_controls(char *text)
+{
+    for (char *c = text; *c != '\0'; c++)
+        if ((*c > 0 && *c < ' ' && *c != '\n') || *c == 127)
+            *c = '?';
+}
+
+void message_put_report(struct bytes_writer *w, const struct report_message *m)
+{
+    bytes_put_text(w, m->version, strlen(m->version));
+    bytes_put_u8(w, m->busy);
+    bytes_put_text(w, m->peer, strlen(m->peer));
+    bytes_put_f64(w, m->seconds);
+    bytes_put_text(w, m->deck, strlen(m->deck));
+    bytes_put_u16(w, (uint16_t)m->rank);
+    bytes_put_u16(w, (uint16_t)m->ranks);
+    bytes_put_i64(w, m->step);
+    bytes_put_u32(w, m->waiting);
+    bytes_put_f64(w, m->load);
+    bytes_put_u16(w, (uint16_t)m->cores);
+}
+
+void message_get_report(struct bytes_reader *r, struct report_message *m)
+{
+    *m = (struct report_message){0};
+    get_text_into(r, m->version, sizeof m->version);
+    m->busy = get_bool(r);
+    get_text_into(r, m->peer, sizeof m->peer);
+    m->seconds = get_seconds(r);
+    get_text_into(r, m->deck, sizeof m->deck);
+    m->rank = bytes_get_u16(r);
+    m->ranks = bytes_get_u16(r);
+    m->step = bytes_get_i64(r);
+    m->waiting = bytes_get_u32(r);
+    m->load = bytes_get_f64(r);
+    m->cores = bytes_get_u16(r);
+    require(r, m->step >= 0 && isfinite(m->load) && (m->ranks == 0 || m->rank < m->ranks));
+    show_controls(m->version);
+    show_controls(m->peer);
+    show_controls(m->deck);
+    require(r, bytes_done(r));
+}
+
 void message_put_error(struct bytes_writer *w, const struct error_message *m)
 {
     bytes_put_u16(w, (uint16_t)m->status);
     bytes_put_text(w, m->text, strlen(m->text));
 }
 
-/* Texts of strangers end up on terminals and in logs: control characters are made visible. */
 void message_get_error(struct bytes_reader *r, struct error_message *m)
 {
     uint16_t status = bytes_get_u16(r);
     require(r, status > DM2_OK && status <= DM2_INTERRUPTED);
     m->status = r->failed ? DM2_PROTOCOL : (enum dm2_status)status;
     get_text_into(r, m->text, sizeof m->text);
-    for (char *c = m->text; *c != '\0'; c++)
-        if ((*c > 0 && *c < ' ' && *c != '\n') || *c == 127)
-            *c = '?';
+    show_controls(m->text);
     require(r, bytes_done(r));
 }
 
@@ -367,6 +408,8 @@ const char *message_name(uint8_t type, char buffer[16])
         [MESSAGE_CHALLENGE] = "CHALLENGE",
         [MESSAGE_PROOF] = "PROOF",
         [MESSAGE_GRANT] = "GRANT",
+        [MESSAGE_STATUS] = "STATUS",
+        [MESSAGE_REPORT] = "REPORT",
     };
     if (type < sizeof names / sizeof names[0] && names[type] != NULL)
         return names[type];

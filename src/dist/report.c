@@ -62,11 +62,11 @@ static void add_log(struct bytes_writer *w, const struct run_report *r)
         const struct server_report *s = &r->servers[k];
         const struct server_times *t = &s->times;
         add(w,
-            "subdomain %d: %s, %zu cells, %llu elements, %llu mirrored, %.1f MB; forces %.3f s, integration "
-            "%.3f s, "
-            "rebuilds %.3f s, packing %.3f s, waiting %.3f s, unpacking %.3f s\n",
+            "subdomain %d: %s, %zu cells, %llu elements, %llu mirrored, %.1f MB, %.0f bytes per element; forces %.3f s, "
+            "integration %.3f s, rebuilds %.3f s, packing %.3f s, waiting %.3f s, unpacking %.3f s\n",
             k, s->name, s->cells, (unsigned long long)s->owned, (unsigned long long)s->mirrored,
-            1e-6 * (double)s->bytes, t->forces, t->integrate, t->rebuild, t->pack, t->wait, t->unpack);
+            1e-6 * (double)s->bytes, s->owned > 0 ? (double)s->bytes / (double)s->owned : 0.0, t->forces, t->integrate,
+            t->rebuild, t->pack, t->wait, t->unpack);
     }
 }
 

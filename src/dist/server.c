@@ -21,6 +21,7 @@
 #include "dm2/base/hmac.h"
 #include "dm2/base/mem.h"
 #include "dm2/dist/exchange.h"
+#include "dm2/dist/lobby.h"
 #include "dm2/dist/messages.h"
 #include "dm2/dist/state_parts.h"
 #include "dm2/sim/deck_digest.h"
@@ -32,6 +33,7 @@ static const double HANG_UP_SECONDS = 2.0; /* for a peer to read our last messag
 
 struct session {
     const struct server_options *options;
+    struct lobby *lobby; /* looked after while the client is waited for; NULL: none */
     struct session_summary *summary;
     struct channel channel;
     bool admitted; /* the client has the key, or none is needed */
@@ -47,6 +49,8 @@ struct session {
     struct exchange exchange;
     double timeout;
     double heard; /* when the last message had come: work since then is `busy` */
+    bool counts;  /* the processor's seconds, since `counted`; see count_cpu */
+    double counted;
     struct server_times times;
 };
 
@@ -80,12 +84,28 @@ static enum dm2_status check_type(const struct frame *f, enum message_type type,
                     message_name((uint8_t)type, name[1]));
 }
 
+/* Waits for a message, and meanwhile looks after those who stand outside. */
+static enum dm2_status receive(struct session *s, uint32_t limit, struct deadline until, struct frame *f,
+                               struct dm2_error *err)
+{
+    bool complete = false;
+    enum dm2_status status = DM2_OK;
+    if (s->lobby != NULL && channel_pending(&s->channel))
+        status = channel_receive_some(&s->channel, limit, &complete, f, err);
+    while (status == DM2_OK && !complete) {
+        if (s->lobby == NULL || !lobby_wait(s->lobby, s->channel.fd, until))
+            return channel_receive(&s->channel, limit, until, f, err); /* which also says why there is nothing */
+        status = channel_receive_some(&s->channel, limit, &complete, f, err);
+    }
+    return status;
+}
+
 /* Waits for a message of this type. */
 static enum dm2_status expect(struct session *s, enum message_type type, uint32_t limit,
                               struct deadline until, struct bytes_reader *out, struct dm2_error *err)
 {
     struct frame f;
-    enum dm2_status status = channel_receive(&s->channel, limit, until, &f, err);
+    enum dm2_status status = receive(s, limit, until, &f, err);
     return status == DM2_OK ? check_type(&f, type, out, err) : status;
 }
 
@@ -285,7 +305,7 @@ static enum dm2_status expect_deck(struct session *s, struct bytes_reader *out, 
     struct frame f;
     enum dm2_status status;
     for (;;) {
-        status = channel_receive(&s->channel, LIMIT_DECK, patience(s), &f, err);
+        status = receive(s, LIMIT_DECK, patience(s), &f, err);
         if (status != DM2_OK || f.type != MESSAGE_ECHO)
             break;
         s->summary->measured = f.length == 0;
@@ -457,9 +477,23 @@ static enum dm2_status send_ready(struct session *s, struct dm2_error *err)
 /* --- states -----------------------------------------------------------------------------------------------
  */
 
+/* The processor's seconds count while it computes, packs and unpacks, from here to the call that ends it; not while it sends,
+ * receives and waits, which costs seconds of its own in the system. */
+static bool count_cpu(struct session *s, bool on)
+{
+    double now = clock_cpu();
+    bool before = s->counts;
+    if (before)
+        s->times.cpu += now - s->counted;
+    s->counts = on;
+    s->counted = now;
+    return before;
+}
+
 static enum dm2_status send_state(struct session *s, enum state_purpose purpose, struct dm2_error *err)
 {
     double start = clock_now();
+    bool counted = count_cpu(s, false);
     size_t n = subdomain_owned(s->sd);
     struct state_parts parts = {.head = {.step = subdomain_step(s->sd), .purpose = purpose}, .n_elements = n};
     struct element *elements = mem_alloc(n, sizeof *elements);
@@ -481,14 +515,18 @@ static enum dm2_status send_state(struct session *s, enum state_purpose purpose,
     free(measured);
     free(pairs);
     s->times.output += clock_now() - start;
+    (void)count_cpu(s, counted);
     return status;
 }
 
 /* The profiles that are due, one message each. */
 static enum dm2_status send_profiles(struct session *s, struct dm2_error *err)
 {
+    if (s->config.n_profiles == 0)
+        return DM2_OK;
     double start = clock_now();
     int64_t step = subdomain_step(s->sd);
+    bool counted = count_cpu(s, false);
     enum dm2_status status = DM2_OK;
     for (size_t k = 0; k < s->config.n_profiles && status == DM2_OK; k++) {
         struct profile_message m = {.step = step, .which = k, .n_bins = (size_t)s->config.profiles[k].bins};
@@ -507,6 +545,7 @@ static enum dm2_status send_profiles(struct session *s, struct dm2_error *err)
             status = send_out(s, MESSAGE_PROFILE, err);
     }
     s->times.output += clock_now() - start;
+    (void)count_cpu(s, counted);
     return status;
 }
 
@@ -553,6 +592,7 @@ static enum dm2_status send_step(struct session *s, struct step_message *m, stru
     if (s->out.length != head)
         return dm2_fail(err, DM2_PROTOCOL, "the head of a step message changed its length");
     s->out.length = length;
+    (void)count_cpu(s, false);
     return send_out(s, MESSAGE_STEP, err);
 }
 
@@ -563,6 +603,7 @@ static enum dm2_status get_next(struct session *s, int64_t step, struct next_mes
     enum dm2_status status = expect(s, MESSAGE_NEXT, LIMIT_STEP, patience(s), r, err);
     s->heard = clock_now();
     s->times.wait += s->heard - start;
+    (void)count_cpu(s, true);
     if (status != DM2_OK)
         return status;
     message_get_next(r, next);
@@ -638,11 +679,11 @@ static enum dm2_status run_steps(struct session *s, struct dm2_error *err)
 {
     struct next_message asked = {.rebuild_next = s->assign.rebuild_first, .copy_next = s->assign.copy_first};
     enum dm2_status status = DM2_OK;
-    double cpu = clock_cpu();
+    (void)count_cpu(s, true);
     s->heard = clock_now();
     for (int64_t n = subdomain_step(s->sd); n < s->config.steps && status == DM2_OK; n++)
         status = step(s, n, &asked, err);
-    s->times.cpu = clock_cpu() - cpu;
+    (void)count_cpu(s, false);
     return status;
 }
 
@@ -709,12 +750,15 @@ static enum dm2_status serve_run(struct session *s, struct dm2_error *err)
     return status == DM2_OK ? finish(s, err) : status;
 }
 
-enum dm2_status server_session(int fd, const char *peer, const struct server_options *options,
-                               struct session_summary *summary, struct dm2_error *err)
+/* server_session, with those who come meanwhile; lobby may be NULL. */
+static enum dm2_status serve_client(int fd, const char *peer, const struct server_options *options,
+                                    struct lobby *lobby, struct session_summary *summary, struct dm2_error *err)
 {
-    struct session s = {.options = options, .summary = summary, .timeout = options->timeout};
+    struct session s = {.options = options, .lobby = lobby, .summary = summary, .timeout = options->timeout};
     double start = clock_now();
     *summary = (struct session_summary){.rank = -1};
+    if (lobby != NULL)
+        lobby->business = (struct lobby_business){.peer = peer, .since = start, .session = summary};
     channel_open(&s.channel, fd, PROTOCOL_VERSION, peer);
     enum dm2_status status = shake_hands(&s, err);
     if (status == DM2_OK)
@@ -728,6 +772,12 @@ enum dm2_status server_session(int fd, const char *peer, const struct server_opt
     free_session(&s);
     summary->seconds = clock_now() - start;
     return status;
+}
+
+enum dm2_status server_session(int fd, const char *peer, const struct server_options *options,
+                               struct session_summary *summary, struct dm2_error *err)
+{
+    return serve_client(fd, peer, options, NULL, summary, err);
 }
 
 static void log_session(const struct session_summary *sum, enum dm2_status status,
@@ -750,45 +800,29 @@ static void log_session(const struct session_summary *sum, enum dm2_status statu
     log(context, status == DM2_OK ? SERVER_DONE : SERVER_FAILED, peer, line);
 }
 
-/* Says no as far as that goes without waiting. */
-static void refuse_address(int fd, const char *peer)
-{
-    struct channel ch;
-    struct error_message m = {.status = DM2_PROTOCOL, .text = REFUSAL_TEXT};
-    struct bytes_writer out = {0};
-    message_put_error(&out, &m);
-    channel_open(&ch, fd, PROTOCOL_VERSION, peer);
-    if (!out.failed)
-        (void)channel_send(&ch, MESSAGE_ERROR, 0, out.data, out.length, deadline_in(0, -1), NULL);
-    channel_hang_up(&ch, deadline_in(0, -1));
-    bytes_free(&out);
-}
-
 enum dm2_status server_serve(int listener, const struct server_options *options, bool once, server_log log,
                              void *context, struct dm2_error *err)
 {
     const double for_ever = 1e9;
-    for (;;) {
+    enum dm2_status status = DM2_OK;
+    struct lobby lobby;
+    lobby_open(&lobby, listener, options, log, context);
+    for (bool over = false; !over;) {
         int fd = -1;
         char peer[SOCKET_NAME];
-        struct deadline until = deadline_in(once ? options->timeout : for_ever, options->cancel);
-        enum dm2_status status = socket_accept(listener, until, &fd, peer, err);
-        if (status == DM2_TIMEOUT && once)
-            return dm2_fail(err, DM2_TIMEOUT, "no client came within %g s", options->timeout);
-        if (status != DM2_OK && status != DM2_TIMEOUT)
-            return status;
-        if (fd < 0)
-            continue;
-        if (options->allow != NULL && !allow_peer(options->allow, fd)) {
-            refuse_address(fd, peer);
-            log(context, SERVER_FAILED, peer, "refused: its address is not among those of --allow");
-            continue;
-        }
         struct session_summary summary;
+        status = lobby_next(&lobby, deadline_in(once ? options->timeout : for_ever, options->cancel), &fd, peer, err);
+        if (status == DM2_TIMEOUT && !once)
+            continue;
+        if (status == DM2_TIMEOUT)
+            status = dm2_fail(err, DM2_TIMEOUT, "no client came within %g s", options->timeout);
+        if (status != DM2_OK)
+            break;
         log(context, SERVER_CONNECTED, peer, "connected");
-        status = server_session(fd, peer, options, &summary, err);
+        status = serve_client(fd, peer, options, &lobby, &summary, err);
         log_session(&summary, status, err, log, context, peer);
-        if (once || status == DM2_INTERRUPTED)
-            return status;
+        over = once || status == DM2_INTERRUPTED;
     }
+    lobby_close(&lobby);
+    return status;
 }

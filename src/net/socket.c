@@ -254,6 +254,19 @@ enum dm2_status socket_read_some(int fd, void *out, size_t n, size_t *got, int *
     return DM2_OK;
 }
 
+enum dm2_status socket_peek(int fd, void *out, size_t n, size_t *got, int *closed, struct dm2_error *err)
+{
+    ssize_t k;
+    do
+        k = recv(fd, out, n, MSG_PEEK);
+    while (k < 0 && errno == EINTR);
+    *got = k > 0 ? (size_t)k : 0;
+    *closed = k == 0 && n > 0;
+    if (k < 0 && errno != EAGAIN && errno != EWOULDBLOCK)
+        return dm2_fail(err, DM2_NET, "the connection broke: %s", strerror(errno));
+    return DM2_OK;
+}
+
 enum dm2_status socket_write_some(int fd, const struct iovec *iov, size_t n_iov, size_t *put,
                                   struct dm2_error *err)
 {

@@ -566,7 +566,7 @@ bool deck_bind(struct deck_binding *b, int64_t steps)
         c->steps = steps;
     ok = bind_profiles(b) && ok;
     if (c->output.history_every < 0)
-        c->output.history_every = c->steps / 200 > 1 ? c->steps / 200 : 1;
+        c->output.history_every = c->steps / 200 > 150 ? c->steps / 200 : 150;
     b->findings->no_memory |= !ok;
     return !b->findings->no_memory;
 }

@@ -303,7 +303,7 @@ static const struct deck_key profile_keys[] = {
 
 #define FIELD(f) .offset = offsetof(struct config, output.f)
 static const struct deck_key output_keys[] = {
-    {"history_every", VALUE_WHOLE, 1, PLAIN, .low = 1, .high = HUGE_VAL, .initial = "steps/200, at least 1",
+    {"history_every", VALUE_WHOLE, 1, PLAIN, .low = 1, .high = HUGE_VAL, .initial = "steps/200, at least 150",
      FIELD(history_every), .meaning = "steps between rows of history.csv"},
     {"snapshot_every", VALUE_WHOLE, 1, PLAIN, NOT_NEGATIVE, .initial = "0", FIELD(snapshot_every),
      .meaning = "steps between snapshots; 0: none but those of `snapshot_at`"},

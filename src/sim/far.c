@@ -1,7 +1,7 @@
 /* Potentials of scope `all`: every pair within a cutoff, no memory, no status. This loop is all that a molecular-dynamics
  * deck does, so its common case, one kind of element with a Lennard-Jones potential, has a path that takes four pairs
- * at a time; rows of the list are padded to fours with a slot that is far from everything (lists.h). Both paths do the
- * same operations on each pair, so the bits do not tell which ran.
+ * at a time, those of the inner list (inner.h); its lanes are filled up with a slot that is far from everything. Both paths
+ * do the same operations on each pair, so the bits do not tell which ran.
  *
  * Forces become integers by adding 1.5 * 2^52, which leaves the rounded integer in the low bits of the double: exact
  * below 2^51, and it works in vectors, where conversion to 64-bit integers would not. A Lennard-Jones pair can leave that
@@ -27,10 +27,10 @@ static inline int64_t far_to_fixed(double scaled)
 static inline double far_pair(const struct pair_law *law, double r2, double r0, double *energy)
 {
     if (law->eps12 > 0.0) {
-        double inverse = 1.0 / r2, q = law->rm2 * inverse, q3 = q * q * q;
+        double w = law->rm2 / r2, w3 = w * w * w;
         if (energy != NULL)
-            *energy = law->eps12 * (1.0 / 12.0) * (q3 * q3 - 2.0 * q3) - law->u_cut;
-        return (q3 * q3 - q3) * (law->eps12 * inverse);
+            *energy = law->eps12 * (1.0 / 12.0) * (w3 * w3 - 2.0 * w3) - law->u_cut;
+        return law->strength * w * w3 * (w3 - 1.0);
     }
     double r = sqrt(r2), u, u_end, f = potential_force(law, r, r0, &u);
     if (energy != NULL) {
@@ -96,69 +96,171 @@ static inline void far_rows(struct pass *pass, const struct half_list *list, boo
 #define POSITION(c) (*(const simd_real2 *)(const void *)(r + (c)))
 #define FORCE(c) (*(simd_int2 *)(void *)(sum + (c)))
 
-/* One Lennard-Jones law for all, four pairs at a time: the plain loop in lanes. */
-DM2_INLINE void lennard_jones_rows(struct pass *pass, const struct half_list *list, bool periodic)
+/* Four pairs on their way through the loop: what is known once the division has been started. */
+struct far_lanes {
+    simd_real dx, dy, r2, w; /* w = r_m^2/r^2 */
+};
+
+DM2_INLINE void look_at(const struct far_quad *quad, const double *r, double rm2, const struct pass *pass, bool periodic,
+                        struct far_lanes *out)
+{
+    const uint32_t *j = quad->j;
+    simd_real a = SIMD_JOIN(POSITION(j[0]), POSITION(j[2])), b = SIMD_JOIN(POSITION(j[1]), POSITION(j[3]));
+    simd_real dx = r[quad->i] - SIMD_EVEN(a, b), dy = r[quad->i + 1] - SIMD_ODD(a, b);
+    if (periodic) {
+        const simd_real zero = {0.0}, period_x = zero + pass->period[0], period_y = zero + pass->period[1];
+        const simd_real half_x = zero + pass->half[0], half_y = zero + pass->half[1];
+        dx = dx - SIMD_CHOOSE(dx > half_x, period_x, zero) + SIMD_CHOOSE(dx < -half_x, period_x, zero);
+        dy = dy - SIMD_CHOOSE(dy > half_y, period_y, zero) + SIMD_CHOOSE(dy < -half_y, period_y, zero);
+    }
+    simd_real r2 = dx * dx + dy * dy;
+    *out = (struct far_lanes){dx, dy, r2, rm2 / r2};
+}
+
+/* One Lennard-Jones law for all, four pairs at a time: the plain loop in lanes. A quad's distances are worked out while
+ * the one before it is still at its forces: the processor waits for neither. Returns the least r^2 of all pairs. */
+DM2_INLINE double lennard_jones(const struct pass *pass, const struct inner_list *list, bool periodic)
 {
     const struct pair_law *law = pass->m->laws;
-    const double *r = pass->p->r, scale = pass->m->fixed.far_force, cutoff2 = law->cutoff2, rm2 = law->rm2;
-    const double strength = law->eps12 * scale; /* the scale is a power of two: exact */
+    const double *r = pass->p->r, cutoff2 = law->cutoff2, rm2 = law->rm2;
+    const double strength = law->strength * pass->m->fixed.far_force; /* the scale is a power of two: exact */
     int64_t *sum = pass->p->far_sum;
-    const simd_real zero = {0.0}, period_x = zero + pass->period[0], period_y = zero + pass->period[1];
-    const simd_real half_x = zero + pass->half[0], half_y = zero + pass->half[1];
+    const simd_real zero = {0.0};
     simd_real least = zero + INFINITY;
-    for (size_t i = 0; i < pass->p->n_own; i++) {
-        double x = r[2 * i], y = r[2 * i + 1];
-        simd_int fx_i = {0}, fy_i = {0};
-        for (uint32_t k = list->start[i]; k < list->start[i + 1]; k += SIMD_LANES) {
-            const uint32_t *j = list->j + k;
-            simd_real a = SIMD_JOIN(POSITION(j[0]), POSITION(j[2])), b = SIMD_JOIN(POSITION(j[1]), POSITION(j[3]));
-            simd_real dx = x - SIMD_EVEN(a, b), dy = y - SIMD_ODD(a, b);
-            if (periodic) {
-                dx = dx - SIMD_CHOOSE(dx > half_x, period_x, zero) + SIMD_CHOOSE(dx < -half_x, period_x, zero);
-                dy = dy - SIMD_CHOOSE(dy > half_y, period_y, zero) + SIMD_CHOOSE(dy < -half_y, period_y, zero);
-            }
-            simd_real r2 = dx * dx + dy * dy;
-            least = SIMD_CHOOSE(r2 < least, r2, least);
-            simd_real inverse = 1.0 / r2, q = rm2 * inverse, q3 = q * q * q;
-            simd_real fs = (q3 * q3 - q3) * (strength * inverse);
-            fs = SIMD_CHOOSE(r2 <= cutoff2, fs, zero);
-            simd_int qx = (simd_int)(fs * dx + shifter) - (simd_int)(zero + shifter);
-            simd_int qy = (simd_int)(fs * dy + shifter) - (simd_int)(zero + shifter);
-            fx_i += qx;
-            fy_i += qy;
-            union simd_int_halves even = {.all = SIMD_EVEN(qx, qy)}, odd = {.all = SIMD_ODD(qx, qy)};
-            FORCE(j[0]) -= even.half[0];
-            FORCE(j[1]) -= odd.half[0];
-            FORCE(j[2]) -= even.half[1];
-            FORCE(j[3]) -= odd.half[1];
-        }
-        sum[2 * i] += fx_i[0] + fx_i[1] + fx_i[2] + fx_i[3];
-        sum[2 * i + 1] += fy_i[0] + fy_i[1] + fy_i[2] + fy_i[3];
+    struct far_lanes next;
+    if (list->n > 0)
+        look_at(list->quad, r, rm2, pass, periodic, &next);
+    for (size_t k = 0; k < list->n; k++) {
+        const struct far_quad *quad = &list->quad[k];
+        struct far_lanes now = next;
+        look_at(quad + 1, r, rm2, pass, periodic, &next);
+        least = SIMD_CHOOSE(now.r2 < least, now.r2, least);
+        simd_real w3 = now.w * now.w * now.w;
+        simd_real fs = strength * now.w * w3 * (w3 - 1.0);
+        fs = SIMD_CHOOSE(now.r2 <= cutoff2, fs, zero);
+        simd_int qx = (simd_int)(fs * now.dx + shifter) - (simd_int)(zero + shifter);
+        simd_int qy = (simd_int)(fs * now.dy + shifter) - (simd_int)(zero + shifter);
+        union simd_int_halves even = {.all = SIMD_EVEN(qx, qy)}, odd = {.all = SIMD_ODD(qx, qy)};
+        union simd_int_halves both = {.all = even.all + odd.all};
+        FORCE(quad->j[0]) -= even.half[0];
+        FORCE(quad->j[1]) -= odd.half[0];
+        FORCE(quad->j[2]) -= even.half[1];
+        FORCE(quad->j[3]) -= odd.half[1];
+        FORCE(quad->i) += both.half[0] + both.half[1];
     }
-    for (int lane = 0; lane < SIMD_LANES; lane++) {
-        if (least[lane] < law->r2_least)
-            far_rows(pass, list, true, false); /* finds which pair it was; the run ends */
-    }
+    double of_all = least[0];
+    for (int lane = 1; lane < SIMD_LANES; lane++)
+        of_all = least[lane] < of_all ? least[lane] : of_all;
+    return of_all;
 }
 
-DM2_WIDE static void lennard_jones_free(struct pass *pass, const struct half_list *list)
+DM2_WIDE static double lennard_jones_free(const struct pass *pass, const struct inner_list *list)
 {
-    lennard_jones_rows(pass, list, false);
+    return lennard_jones(pass, list, false);
 }
 
-DM2_WIDE static void lennard_jones_periodic(struct pass *pass, const struct half_list *list)
+DM2_WIDE static double lennard_jones_periodic(const struct pass *pass, const struct inner_list *list)
 {
-    lennard_jones_rows(pass, list, true);
+    return lennard_jones(pass, list, true);
 }
 
-void far_evaluate(struct pass *pass, const struct half_list *list)
+#define FIXED(x) ((simd_int)((x) + shifter) - (simd_int)(zero + shifter))
+#define MAGNITUDE(x) ((simd_real)((simd_int)(x) & (simd_int){INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX}))
+
+/* What the plain loop measures, four pairs at a time: virial and energy, no forces. Returns the largest magnitude that
+ * became an integer: from far_range on, the integers mean nothing. */
+DM2_INLINE double measure_quads(struct pass *pass, const struct inner_list *list, bool periodic)
 {
     const struct model *m = pass->m;
+    const struct particles *p = pass->p;
+    const struct pair_law *law = m->laws;
+    const double scale = m->fixed.virial, depth = law->eps12 * (1.0 / 12.0);
+    const simd_real zero = {0.0};
+    const simd_int none = {0};
+    simd_int *virial = (simd_int *)(void *)p->virial;
+    simd_real largest = zero;
+    int64_t energy = 0;
+    for (size_t k = 0; k < list->n; k++) {
+        const struct far_quad *quad = &list->quad[k];
+        struct far_lanes at;
+        look_at(quad, p->r, law->rm2, pass, periodic, &at);
+        simd_int within = at.r2 <= law->cutoff2;
+        simd_real w3 = at.w * at.w * at.w, f = law->strength * at.w * w3 * (w3 - 1.0);
+        simd_real fx = f * at.dx, fy = f * at.dy;
+        simd_real xx = SIMD_CHOOSE(within, at.dx * fx * scale, zero), yy = SIMD_CHOOSE(within, at.dy * fy * scale, zero);
+        simd_real xy = SIMD_CHOOSE(within, 0.5 * (at.dx * fy + at.dy * fx) * scale, zero);
+        simd_real u = SIMD_CHOOSE(within, (depth * (w3 * w3 - 2.0 * w3) - law->u_cut) * m->fixed.energy, zero);
+        simd_real size = MAGNITUDE(xx) + MAGNITUDE(yy) + MAGNITUDE(xy) + MAGNITUDE(u);
+        largest = SIMD_CHOOSE(size > largest, size, largest);
+        simd_int qxx = FIXED(xx), qyy = FIXED(yy), qxy = FIXED(xy), qu = FIXED(u);
+        /* Transposed: the sums of each pair. */
+        simd_int a = SIMD_EVEN(qxx, qyy), b = SIMD_ODD(qxx, qyy), c = SIMD_EVEN(qxy, none), d = SIMD_ODD(qxy, none);
+        simd_int part[SIMD_LANES] = {SIMD_LOW(a, c), SIMD_LOW(b, d), SIMD_HIGH(a, c), SIMD_HIGH(b, d)};
+        for (int lane = 0; lane < SIMD_LANES; lane++) {
+            size_t j = quad->j[lane] / 2;
+            virial[j] += part[lane];
+            if (j < p->n_own || (j < p->n && counts_here(p, quad->i / 2, (uint32_t)j)))
+                energy += qu[lane];
+        }
+        virial[quad->i / 2] += (part[0] + part[1]) + (part[2] + part[3]);
+        if (k % 256 == 255 || k + 1 == list->n) { /* 1024 energies below 2^50 */
+            exact_add_units(&pass->potential, energy, m->fixed.energy_left);
+            energy = 0;
+        }
+    }
+    double most = 0.0;
+    for (int c = 0; c < SIMD_LANES; c++)
+        most = largest[c] > most ? largest[c] : most;
+    return most;
+}
+
+DM2_WIDE static double measure_free(struct pass *pass, const struct inner_list *list)
+{
+    return measure_quads(pass, list, false);
+}
+
+DM2_WIDE static double measure_periodic(struct pass *pass, const struct inner_list *list)
+{
+    return measure_quads(pass, list, true);
+}
+
+/* Virial and energy of all pairs; false where a number left the range of lanes: then neither counts. */
+static bool measure_wide(struct pass *pass, const struct inner_list *list)
+{
+    const struct exact_sum before = pass->potential;
+    bool periodic = pass->m->grid.periodic[0] || pass->m->grid.periodic[1];
+    if ((periodic ? measure_periodic(pass, list) : measure_free(pass, list)) < far_range)
+        return true;
+    pass->potential = before;
+    memset(pass->p->virial, 0, pass->p->n * VIRIAL_COUNT * sizeof *pass->p->virial);
+    return false;
+}
+
+static void far_wide(struct pass *pass, struct lists *lists)
+{
+    const struct model *m = pass->m;
+    if (inner_list_prepare(&lists->inner, &lists->far, pass->p, m->far_cutoff, m->config->delta_r, pass->period,
+                           pass->half) != 0) {
+        pass->no_memory = true;
+        return;
+    }
+    if (pass->totals != NULL && !measure_wide(pass, &lists->inner)) {
+        far_rows(pass, &lists->far, true, true);
+        return;
+    }
+    bool periodic = m->grid.periodic[0] || m->grid.periodic[1];
+    double least = periodic ? lennard_jones_periodic(pass, &lists->inner) : lennard_jones_free(pass, &lists->inner);
+    if (least < m->laws->r2_least)
+        far_rows(pass, &lists->far, true, false); /* finds which pair it was; the run ends */
+}
+
+void far_evaluate(struct pass *pass, struct lists *lists)
+{
+    const struct model *m = pass->m;
+    const struct half_list *list = &lists->far;
     bool measure = pass->totals != NULL;
-    if (m->wide_far && !measure && (m->grid.periodic[0] || m->grid.periodic[1]))
-        lennard_jones_periodic(pass, list);
-    else if (m->wide_far && !measure)
-        lennard_jones_free(pass, list);
+    if (m->wide_far)
+        far_wide(pass, lists);
     else if (m->uniform_far && measure)
         far_rows(pass, list, true, true);
     else if (m->uniform_far)

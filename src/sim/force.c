@@ -13,7 +13,7 @@
 /* --- near pairs -------------------------------------------------------------------------------------------------- */
 
 /* Adds a pair's effect: to i's sums, which the row keeps, and to j's. False where it is out of range. */
-DM2_INLINE bool near_add(const struct fixed_scales *s, int64_t *restrict a, int64_t *restrict b, double nx, double ny,
+DM2_INLINE bool near_add(const struct fixed_scales *s, int64_t *a, int64_t *b, double nx, double ny,
                             const struct pair_effect *e, bool spin)
 {
     double largest = (fabs(e->fn) + fabs(e->fdn)) + (fabs(e->ft) + fabs(e->fdt));
@@ -53,14 +53,15 @@ static void add_around(const struct pass *pass, uint32_t i, uint32_t j, double d
 {
     double s = pass->m->fixed.around;
     const int64_t part[AROUND_COUNT] = {[AROUND_XX] = to_fixed(dx * dx * s), [AROUND_YY] = to_fixed(dy * dy * s),
-                                        [AROUND_XY] = to_fixed(dx * dy * s),
-                                        [AROUND_TALLY] = TALLY_PAIR + (linked ? TALLY_LINK : 0) +
-                                                         (contacting ? TALLY_CONTACT : 0)};
+                                        [AROUND_XY] = to_fixed(dx * dy * s)};
+    const int64_t tally = TALLY_PAIR + (linked ? TALLY_LINK : 0) + (contacting ? TALLY_CONTACT : 0);
     int64_t *a = pass->p->around + AROUND_COUNT * (size_t)i, *b = pass->p->around + AROUND_COUNT * (size_t)j;
     for (int k = 0; k < AROUND_COUNT; k++) {
         a[k] += part[k];
         b[k] += part[k];
     }
+    pass->p->virial[VIRIAL_COUNT * (size_t)i + VIRIAL_TALLY] += tally;
+    pass->p->virial[VIRIAL_COUNT * (size_t)j + VIRIAL_TALLY] += tally;
 }
 
 static void near_measure(struct pass *pass, uint32_t i, uint32_t j, double dx, double dy, double nx, double ny,
@@ -161,21 +162,45 @@ DM2_WIDE static void near_central(struct pass *pass, struct lists *l)
     near_rows(pass, l, false, false, false);
 }
 
-/* What near_wide leaves to the plain path. */
+/* What near_wide leaves to the plain path, link by link. */
 static void near_single(struct pass *pass, struct lists *l, uint32_t i, uint32_t k)
 {
-    near_pair(pass, l, i, k, pass->p->pair_sum + SUM_COUNT * (size_t)i, false, true, false);
+    near_pair(pass, l, i, k, pass->p->pair_sum + SUM_COUNT * (size_t)i, pass->totals != NULL, true, true);
+}
+
+DM2_INLINE void single_rows(struct pass *pass, struct lists *l, bool measure)
+{
+    for (size_t s = 0; s < l->links.n_single; s++) {
+        uint32_t i = l->links.single[s].i;
+        near_pair(pass, l, i, l->links.single[s].k, pass->p->pair_sum + SUM_COUNT * (size_t)i, measure, true, true);
+    }
+}
+
+DM2_WIDE static void near_singles(struct pass *pass, struct lists *l)
+{
+    single_rows(pass, l, false);
+}
+
+DM2_WIDE static void near_singles_measured(struct pass *pass, struct lists *l)
+{
+    single_rows(pass, l, true);
 }
 
 static void near_evaluate(struct pass *pass, struct lists *l)
 {
     const struct model *m = pass->m;
-    if (pass->totals != NULL)
+    if (m->wide_near && link_list_prepare(l, m, pass->p) != 0)
+        pass->no_memory = true;
+    else if (m->wide_near) {
+        near_wide(pass, l, near_single);
+        if (pass->totals != NULL)
+            near_singles_measured(pass, l);
+        else
+            near_singles(pass, l);
+    } else if (pass->totals != NULL)
         near_measured(pass, l);
     else if (m->grid.periodic[0] || m->grid.periodic[1])
         near_periodic(pass, l);
-    else if (m->wide_near)
-        near_wide(pass, l, near_single);
     else if (m->has_spin)
         near_spinning(pass, l);
     else
@@ -195,7 +220,7 @@ enum dm2_status force_evaluate(const struct model *m, struct particles *p, struc
     if (p->n == 0)
         return DM2_OK; /* and perhaps no array to clear */
     if (totals != NULL) {
-        memset(p->virial, 0, p->n * 3 * sizeof *p->virial);
+        memset(p->virial, 0, p->n * VIRIAL_COUNT * sizeof *p->virial);
         if (m->has_near)
             memset(p->around, 0, p->n * AROUND_COUNT * sizeof *p->around);
     }
@@ -204,9 +229,11 @@ enum dm2_status force_evaluate(const struct model *m, struct particles *p, struc
     if (m->has_near)
         memset(p->pair_sum, 0, p->n * SUM_COUNT * sizeof *p->pair_sum);
     if (m->has_far)
-        far_evaluate(&pass, &lists->far);
+        far_evaluate(&pass, lists);
     if (m->has_near)
         near_evaluate(&pass, lists);
+    if (pass.no_memory)
+        return dm2_fail(err, DM2_MEMORY, "no memory to sort the pairs of %zu elements", p->n_own);
     if (pass.bad)
         return dm2_fail(err, DM2_NUMERIC,
                         "step %lld: the force between elements %u and %u, near (%g, %g) cm, is out of range: they are too "

@@ -72,9 +72,9 @@ void leapfrog_whole_velocity(const struct model *m, const struct particles *p, s
 static double volume_of(const struct model *m, const struct particles *p, size_t i)
 {
     const int64_t *s = p->around != NULL ? p->around + AROUND_COUNT * i : NULL;
-    double d = 2.0 * p->radius[i], scale = m->fixed.around;
-    if (s != NULL && s[AROUND_TALLY] % TALLY_LINK == 6 * TALLY_PAIR) {
-        double xx = (double)s[AROUND_XX] / scale, yy = (double)s[AROUND_YY] / scale, xy = (double)s[AROUND_XY] / scale;
+    double d = 2.0 * p->radius[i], over = 1.0 / m->fixed.around; /* a power of two: exact */
+    if (s != NULL && p->virial[VIRIAL_COUNT * i + VIRIAL_TALLY] % TALLY_LINK == 6 * TALLY_PAIR) {
+        double xx = (double)s[AROUND_XX] * over, yy = (double)s[AROUND_YY] * over, xy = (double)s[AROUND_XY] * over;
         double det = xx * yy - xy * xy;
         if (det > 0.0)
             return 0x1.279a74590331dp-2 * sqrt(det); /* 1/(2 sqrt(3)) */
@@ -82,20 +82,30 @@ static double volume_of(const struct model *m, const struct particles *p, size_t
     return 0x1.bb67ae8584caap-1 * (d * d); /* sqrt(3)/2 d^2 h */
 }
 
+static inline void stress_of(const struct model *m, const struct particles *p, size_t i, size_t n, double *stress)
+{
+    double volume = volume_of(m, p, i), over = 1.0 / m->fixed.virial; /* a power of two: exact */
+    for (size_t a = 0; a < n; a++)
+        stress[a] = -0.5 * ((double)p->virial[VIRIAL_COUNT * i + a] * over) / volume;
+}
+
 void leapfrog_stress(const struct model *m, const struct particles *p, size_t i, double stress[3])
 {
-    double volume = volume_of(m, p, i);
-    for (size_t a = 0; a < 3; a++)
-        stress[a] = -0.5 * ((double)p->virial[3 * i + a] / m->fixed.virial) / volume;
+    stress_of(m, p, i, VIRIAL_TALLY, stress);
+}
+
+/* P = -tr(sigma)/2 of slot i. */
+static inline double pressure_of(const struct model *m, const struct particles *p, size_t i)
+{
+    double stress[VIRIAL_XY];
+    stress_of(m, p, i, VIRIAL_XY, stress);
+    return -0.5 * (stress[VIRIAL_XX] + stress[VIRIAL_YY]);
 }
 
 void leapfrog_set_pressure(const struct model *m, struct particles *p)
 {
-    for (size_t i = 0; i < p->n_own; i++) {
-        double stress[3];
-        leapfrog_stress(m, p, i, stress);
-        p->p[i] = -0.5 * (stress[0] + stress[1]);
-    }
+    for (size_t i = 0; i < p->n_own; i++)
+        p->p[i] = pressure_of(m, p, i);
 }
 
 /* Power of what keeps a driven element at its velocity against the forces on it. Its work up to a whole step counts half
@@ -110,7 +120,7 @@ static bool measure_element(const struct model *m, const struct particles *p, si
                             struct measures *out)
 {
     const struct measure_scales *s = &m->scales;
-    double share = step == 0 ? 0.0 : 0.5, mass = p->mass[i], stress[3];
+    double share = step == 0 ? 0.0 : 0.5, mass = p->mass[i];
     double v[2] = {p->v[2 * i] + share * k->dv[0], p->v[2 * i + 1] + share * k->dv[1]};
     double w = p->w[i] + share * k->dw, spin = 0.5 * mass * (p->radius[i] * p->radius[i]) * w;
     double x = p->r[2 * i], y = p->r[2 * i + 1], work = p->work != NULL ? p->work[i] : 0.0;
@@ -130,8 +140,7 @@ static bool measure_element(const struct model *m, const struct particles *p, si
     fits &= exact_add(&out->momentum[1], mass * v[1], s->momentum);
     fits &= exact_add(&out->angular, mass * (x * v[1] - y * v[0]) + spin, s->momentum);
     out->elements++;
-    leapfrog_stress(m, p, i, stress);
-    double pressure = -0.5 * (stress[0] + stress[1]);
+    double pressure = pressure_of(m, p, i);
     out->p_min = pressure < out->p_min ? pressure : out->p_min;
     out->p_max = pressure > out->p_max ? pressure : out->p_max;
     out->t_max = temperature > out->t_max ? temperature : out->t_max;
@@ -190,7 +199,7 @@ static inline double drift_all(const struct model *m, struct particles *p, doubl
         if (near) {
             p->w[i] += k.dw;
             p->heat[i] += k.heat_now + k.heat_damped;
-            particles_warm(p, m, i);
+            particles_warm(p, m, i, 1.0 / p->mass[i]);
         }
         fastest2 = speed2 > fastest2 ? speed2 : fastest2;
     }

@@ -309,6 +309,7 @@ enum dm2_status lists_build(struct lists *lists, const struct model *m, const st
                             const struct cells *cells, bool initial, struct dm2_error *err)
 {
     struct builder b = begin(lists, m, p, initial);
+    lists->inner.valid = lists->links.valid = false;
     bool all_pairs = m->config->search == SEARCH_LISTS;
     bool binned = m->config->search == SEARCH_CELLS_AND_LISTS && !m->has_far &&
                   bins_lay_out(&lists->bins, &m->grid, sqrt(b.near_reach2), p->n);
@@ -351,6 +352,8 @@ done:
 
 void lists_free(struct lists *l)
 {
+    inner_list_free(&l->inner);
+    link_list_free(&l->links);
     free(l->far.start);
     free(l->far.j);
     free(l->near.start);
@@ -367,6 +370,6 @@ void lists_free(struct lists *l)
 size_t lists_bytes(const struct lists *l)
 {
     return (l->far.row_cap + l->far.cap + l->near.row_cap + l->near.cap) * sizeof(uint32_t) +
-           l->memory_cap * (1 + 2 * sizeof(double)) + bins_bytes(&l->bins) +
-           l->carried_own_cap + l->rows_cap * sizeof *l->rows;
+           l->memory_cap * (1 + 2 * sizeof(double)) + bins_bytes(&l->bins) + inner_list_bytes(&l->inner) +
+           link_list_bytes(&l->links) + l->carried_own_cap + l->rows_cap * sizeof *l->rows;
 }

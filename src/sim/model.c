@@ -49,6 +49,7 @@ static enum dm2_status calibrate_centre(const struct material_config *a, const s
         double cube_root2 = 0x1.428a2f98d728bp0; /* 2^(1/3) */
         law->eps12 = 12.0 * in->epsilon;
         law->rm2 = cube_root2 * (in->sigma * in->sigma);
+        law->strength = law->eps12 / law->rm2;
         law->k = 72.0 * in->epsilon / law->rm2;
     } else if (!isnan(in->k)) {
         law->k = in->k;
@@ -142,9 +143,10 @@ static void uniform_kinds(struct model *m)
                 struct pair_law *law = &m->laws[(a * m->n_kinds + b) * RELATION_COUNT + rel];
                 law->cn_mass = law->cn * root;
                 law->ct_mass = law->ct * root;
-                law->bond = law_bond(law, radius[ia] * m->kinds[a].size + radius[ib] * m->kinds[b].size);
-                law->wide = law->scope == SCOPE_LINKED && law->potential == POTENTIAL_MORSE && law->a_p == 0.0 &&
-                            law->a_t == 0.0;
+                law->radius_i = radius[ia] * m->kinds[a].size;
+                law->radius_j = radius[ib] * m->kinds[b].size;
+                law->bond = law_bond(law, law->radius_i + law->radius_j);
+                law->wide = law->scope == SCOPE_LINKED && law->potential == POTENTIAL_MORSE;
                 m->wide_near |= law->wide;
             }
         }
@@ -229,6 +231,7 @@ static void choose_scales(struct model *m)
     m->fixed.over_torque = 1.0 / m->fixed.torque;
     m->fixed.over_heat = 1.0 / m->fixed.heat;
     double extent = c->size[0] + c->size[1] + fabs(c->origin[0]) + fabs(c->origin[1]);
+    m->far_place = 0x1p30 * (extent + m->far_cutoff);
     double speed = extent / c->dt; /* nothing moves faster than a cell per step */
     int e;
     (void)frexp(force * r0, &e);
@@ -355,6 +358,8 @@ static void build_kinds(struct model *m)
         *kind = (struct kind){.material = phase == NULL ? (int)i : phase->material, .state = state, .phase = phase,
                               .size = 1.0, .t0 = state->t0, .tm = or_else(state->tm, INFINITY),
                               .softening = state->softening, .cp = or_else(state->cp, INFINITY)};
+        kind->over_cp = 1.0 / kind->cp;
+        kind->over_range = 1.0 / (kind->tm - kind->t0);
         if (phase == NULL)
             continue;
         kind->from = phase->from < 0 ? (size_t)phase->material : c->n_materials + (size_t)phase->from;

@@ -1,7 +1,11 @@
-/* Linked pairs four at a time: pair_interact of law.h in the lanes of a vector, for what most pairs of a solid do at most
- * steps: a Morse bond that neither breaks nor yields in tension, with constant damping, shear spring and plastic slip,
- * viscosity, conduction. Every lane does the operations of the plain path in the same order, so the bits do not tell which
- * ran; where one of four needs more (it breaks, yields, closes a void, leaves the range), all four take the plain path.
+/* Links four at a time: pair_interact of law.h in the lanes of a vector, for what most pairs of a solid do at most
+ * steps: a Morse bond that neither breaks nor yields in tension, with damping, shear spring and plastic slip, viscosity,
+ * conduction. Every lane does the operations of the plain path in the same order, so the bits do not tell which ran;
+ * where one of four needs more (it breaks, yields, closes a void, leaves the range), all four take the plain path.
+ *
+ * A pair's chain of operations is some hundreds of cycles long, and a processor looks ahead no further than about one
+ * quad. So a block of quads goes through three short stages, one after the other: in each, the next quad does not wait for
+ * the one before it.
  *
  * Doubles become integers by adding 1.5 * 2^52 (see far.c), which rounds as llrint does, so here the range is 2^50. */
 #include <math.h>
@@ -11,17 +15,18 @@
 
 static const double shifter = 0x1.8p52;
 
-/* Four entries of the near list that wait for each other. */
-struct batch {
-    uint32_t i[SIMD_LANES], j[SIMD_LANES], k[SIMD_LANES];
-    const struct pair_law *law[SIMD_LANES];
-    int n;
+enum { BLOCK = 8 }; /* quads that go through the stages together */
+
+/* What the stages hand on of one quad. */
+struct lanes {
+    simd_real dx, dy;                  /* from j to i; for measuring */
+    simd_real r, over, nx, ny, vn, vt; /* distance, its reciprocal, n, relative velocity */
+    simd_real x, e, f;                 /* bond length, exp(-alpha (x - r0)), central force */
 };
 
-#define LAW(field) ((simd_real){b->law[0]->field, b->law[1]->field, b->law[2]->field, b->law[3]->field})
-#define OF_I(array) ((simd_real){(array)[b->i[0]], (array)[b->i[1]], (array)[b->i[2]], (array)[b->i[3]]})
-#define OF_J(array) ((simd_real){(array)[b->j[0]], (array)[b->j[1]], (array)[b->j[2]], (array)[b->j[3]]})
-#define OF_K(array) ((simd_real){(array)[b->k[0]], (array)[b->k[1]], (array)[b->k[2]], (array)[b->k[3]]})
+#define OF_I(array) ((simd_real){(array)[q->i[0]], (array)[q->i[1]], (array)[q->i[2]], (array)[q->i[3]]})
+#define OF_J(array) ((simd_real){(array)[q->j[0]], (array)[q->j[1]], (array)[q->j[2]], (array)[q->j[3]]})
+#define OF_K(array) ((simd_real){(array)[q->k[0]], (array)[q->k[1]], (array)[q->k[2]], (array)[q->k[3]]})
 #define LESSER(a, b) SIMD_CHOOSE((a) < (b), a, b)
 #define FIXED(x) ((simd_int)((x) + shifter) - (simd_int)(zero + shifter))
 #define MAGNITUDE(x) ((simd_real)((simd_int)(x) & (simd_int){INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX}))
@@ -38,7 +43,7 @@ DM2_INLINE void transpose(const simd_int in[4], simd_int out[4])
 }
 
 /* Adds the effects to the sums of both elements of each pair. far: what differs in the second four sums of j. */
-DM2_INLINE void scatter(const struct batch *b, int64_t *pair_sum, const simd_int force[4], const simd_int other_i[4],
+DM2_INLINE void scatter(const struct link_quad *q, int64_t *pair_sum, const simd_int force[4], const simd_int other_i[4],
                         const simd_int other_j[4])
 {
     simd_int *sums = (simd_int *)(void *)pair_sum; /* cache lines: aligned */
@@ -46,12 +51,12 @@ DM2_INLINE void scatter(const struct batch *b, int64_t *pair_sum, const simd_int
     transpose(force, f);
     transpose(other_i, oi);
     transpose(other_j, oj);
-    for (int q = 0; q < SIMD_LANES; q++) {
-        simd_int *i = sums + 2 * (size_t)b->i[q], *j = sums + 2 * (size_t)b->j[q];
-        i[0] += f[q];
-        i[1] += oi[q];
-        j[0] -= f[q];
-        j[1] += oj[q];
+    for (int c = 0; c < SIMD_LANES; c++) {
+        simd_int *i = sums + 2 * (size_t)q->i[c], *j = sums + 2 * (size_t)q->j[c];
+        i[0] += f[c];
+        i[1] += oi[c];
+        j[0] -= f[c];
+        j[1] += oj[c];
     }
 }
 
@@ -78,68 +83,180 @@ DM2_INLINE bool any(const simd_int *mask)
     return ((*mask)[0] | (*mask)[1] | (*mask)[2] | (*mask)[3]) != 0;
 }
 
-/* True when all four pairs were evaluated; false, and nothing changed, when the plain path must. */
-DM2_INLINE bool batch_interact(const struct pass *pass, struct lists *l, const struct batch *b, bool spin)
+/* Component 0 and 1 of an array of two-vectors: what i has over j, in lanes. */
+DM2_INLINE void differences(const double *array, const struct link_quad *q, simd_real *x, simd_real *y)
+{
+    const simd_real2 *a = (const simd_real2 *)(const void *)array;
+    simd_real2 d0 = a[q->i[0]] - a[q->j[0]], d1 = a[q->i[1]] - a[q->j[1]];
+    simd_real2 d2 = a[q->i[2]] - a[q->j[2]], d3 = a[q->i[3]] - a[q->j[3]];
+    simd_real even = SIMD_JOIN(d0, d2), odd = SIMD_JOIN(d1, d3);
+    *x = SIMD_EVEN(even, odd);
+    *y = SIMD_ODD(even, odd);
+}
+
+/* Stage 1: how the two stand and move. The sums of j, most of which were last touched a step ago, are fetched meanwhile. */
+DM2_INLINE void geometry(const struct pass *pass, const struct link_quad *q, bool periodic, struct lanes *out)
+{
+    const simd_real zero = {0.0};
+    simd_real dx, dy, dvx, dvy;
+    for (int c = 0; c < SIMD_LANES; c++)
+        __builtin_prefetch(pass->p->pair_sum + SUM_COUNT * (size_t)q->j[c], 1);
+    differences(pass->p->r, q, &dx, &dy);
+    if (periodic) {
+        const simd_real half_x = zero + pass->half[0], half_y = zero + pass->half[1];
+        const simd_real period_x = zero + pass->period[0], period_y = zero + pass->period[1];
+        dx = dx - SIMD_CHOOSE(dx > half_x, period_x, zero) + SIMD_CHOOSE(dx < -half_x, period_x, zero);
+        dy = dy - SIMD_CHOOSE(dy > half_y, period_y, zero) + SIMD_CHOOSE(dy < -half_y, period_y, zero);
+    }
+    differences(pass->p->v, q, &dvx, &dvy);
+    simd_real r2 = dx * dx + dy * dy;
+    out->dx = dx;
+    out->dy = dy;
+    out->r = (simd_real){sqrt(r2[0]), sqrt(r2[1]), sqrt(r2[2]), sqrt(r2[3])};
+    out->over = 1.0 / out->r;
+    out->nx = dx * out->over;
+    out->ny = dy * out->over;
+    out->vn = dvx * out->nx + dvy * out->ny;
+    out->vt = dvy * out->nx - dvx * out->ny;
+}
+
+/* Stage 2: the Morse force. Beyond the range of exp_lanes e means nothing, which stage 3 sees by x. */
+DM2_INLINE void central(const struct pair_law *law, const struct lists *l, const struct link_quad *q, struct lanes *at)
+{
+    at->x = at->r - OF_K(l->stretch);
+    simd_real power = law->shape - law->bond.alpha * at->x;
+    exp_lanes(&power, &at->e);
+    at->f = law->bond.force * (at->e * at->e - at->e);
+}
+
+/* What a measuring evaluation adds up of four links. */
+struct tally {
+    simd_int virial[VIRIAL_COUNT], around[AROUND_COUNT], potential, elastic;
+};
+
+/* The same numbers as near_measure in force.c. False where one leaves the range. */
+DM2_INLINE bool measure_lanes(const struct pass *pass, const struct bond *bond, const struct lanes *at, simd_real fn,
+                              simd_real ft, simd_real elastic, struct tally *out)
+{
+    const struct fixed_scales *scale = &pass->m->fixed;
+    const simd_real zero = {0.0};
+    const simd_int link = {TALLY_LINK, TALLY_LINK, TALLY_LINK, TALLY_LINK}, one = link / TALLY_LINK;
+    simd_real dx = at->dx, dy = at->dy, fx = fn * at->nx - ft * at->ny, fy = fn * at->ny + ft * at->nx;
+    simd_real xx = dx * fx * scale->virial, yy = dy * fy * scale->virial;
+    simd_real xy = 0.5 * (dx * fy + dy * fx) * scale->virial;
+    simd_real potential = bond->energy * ((1.0 - at->e) * (1.0 - at->e)) * scale->energy;
+    elastic = elastic * scale->energy;
+    simd_real largest = MAGNITUDE(xx) + MAGNITUDE(yy) + MAGNITUDE(xy) + MAGNITUDE(potential) + MAGNITUDE(elastic);
+    simd_int more = ~(largest < 0x1p50);
+    if (any(&more))
+        return false;
+    out->virial[VIRIAL_XX] = FIXED(xx);
+    out->virial[VIRIAL_YY] = FIXED(yy);
+    out->virial[VIRIAL_XY] = FIXED(xy);
+    out->around[AROUND_XX] = FIXED(dx * dx * scale->around);
+    out->around[AROUND_YY] = FIXED(dy * dy * scale->around);
+    out->around[AROUND_XY] = FIXED(dx * dy * scale->around);
+    out->virial[VIRIAL_TALLY] = one * TALLY_PAIR + link + (one * TALLY_CONTACT & (at->r <= bond->r0));
+    out->potential = FIXED(potential);
+    out->elastic = FIXED(elastic);
+    return true;
+}
+
+/* Adds it to both elements of each pair, and the energies of those that count here. */
+DM2_INLINE void add_tally(struct pass *pass, const struct link_quad *q, const struct tally *t)
+{
+    struct particles *p = pass->p;
+    simd_int *sums = (simd_int *)(void *)p->virial, virial[4];
+    int64_t potential = 0, elastic = 0;
+    transpose(t->virial, virial);
+    for (int c = 0; c < SIMD_LANES; c++) {
+        int64_t *i = p->around + AROUND_COUNT * (size_t)q->i[c], *j = p->around + AROUND_COUNT * (size_t)q->j[c];
+        sums[q->i[c]] += virial[c];
+        sums[q->j[c]] += virial[c];
+        for (int a = 0; a < AROUND_COUNT; a++) {
+            i[a] += t->around[a][c];
+            j[a] += t->around[a][c];
+        }
+        if (!counts_here(p, q->i[c], q->j[c]))
+            continue;
+        potential += t->potential[c];
+        elastic += t->elastic[c];
+        pass->totals->links++;
+        pass->totals->contacts += (uint64_t)(t->virial[VIRIAL_TALLY][c] / TALLY_CONTACT);
+    }
+    exact_add_units(&pass->potential, potential, pass->m->fixed.energy_left);
+    exact_add_units(&pass->elastic, elastic, pass->m->fixed.energy_left);
+}
+
+/* Stage 3: everything else, and the sums. True when all four pairs were evaluated; false, and nothing changed, when the
+ * plain path must. */
+DM2_INLINE bool interact(struct pass *pass, struct lists *l, const struct pair_law *law, const struct link_quad *q,
+                         const struct lanes *at, bool spin, bool measure)
 {
     const struct fixed_scales *scale = &pass->m->fixed;
     const struct particles *p = pass->p;
-    const simd_real zero = {0.0};
-    const simd_real2 *r2d = (const simd_real2 *)(const void *)p->r, *v2d = (const simd_real2 *)(const void *)p->v;
-    simd_real2 d0 = r2d[b->i[0]] - r2d[b->j[0]], d1 = r2d[b->i[1]] - r2d[b->j[1]];
-    simd_real2 d2 = r2d[b->i[2]] - r2d[b->j[2]], d3 = r2d[b->i[3]] - r2d[b->j[3]];
-    simd_real even = SIMD_JOIN(d0, d2), odd = SIMD_JOIN(d1, d3);
-    simd_real dx = SIMD_EVEN(even, odd), dy = SIMD_ODD(even, odd);
-    d0 = v2d[b->i[0]] - v2d[b->j[0]], d1 = v2d[b->i[1]] - v2d[b->j[1]];
-    d2 = v2d[b->i[2]] - v2d[b->j[2]], d3 = v2d[b->i[3]] - v2d[b->j[3]];
-    even = SIMD_JOIN(d0, d2), odd = SIMD_JOIN(d1, d3);
-    simd_real dvx = SIMD_EVEN(even, odd), dvy = SIMD_ODD(even, odd);
-    simd_real r2 = dx * dx + dy * dy, r = {sqrt(r2[0]), sqrt(r2[1]), sqrt(r2[2]), sqrt(r2[3])};
-    simd_real over = 1.0 / r, nx = dx * over, ny = dy * over;
-    simd_real vn = dvx * nx + dvy * ny, vt = dvy * nx - dvx * ny;
+    const struct bond *bond = &law->bond;
+    const simd_real zero = {0.0}, endless = zero + INFINITY;
+    const bool yields = law->tensile_i < INFINITY || law->tensile_j < INFINITY || law->yield_i < INFINITY ||
+                        law->yield_j < INFINITY;
+    const bool tangential = spin && law->tangential;
+    simd_real f = at->f, over = at->over, stretch = OF_K(l->stretch), cap = endless, held = endless;
+    if (yields) {
+        simd_real soft_i = OF_I(p->soft), soft_j = OF_J(p->soft);
+        simd_real pull_i = law->tensile_i * soft_i, pull_j = law->tensile_j * soft_j;
+        simd_real slip_i = law->yield_i * soft_i, slip_j = law->yield_j * soft_j;
+        cap = LESSER(pull_i, pull_j) * bond->area;
+        held = LESSER(slip_i, slip_j) * bond->area;
+    }
+    simd_real power = law->shape - bond->alpha * at->x;
+    simd_int more = (at->r > bond->breaks) | (f < -cap) | (at->x > bond->peak) | ((stretch > 0.0) & (f > cap)) |
+                    ~((MAGNITUDE(power) < 700.0) & (at->r > 0.0));
 
-    simd_real stretch = OF_K(l->stretch), x = r - stretch, area = LAW(bond.area), soft_i = OF_I(p->soft), soft_j = OF_J(p->soft);
-    simd_real power = LAW(shape) - LAW(bond.alpha) * x, e;
-    exp_lanes(&power, &e);
-    simd_real f = LAW(bond.force) * (e * e - e);
-    simd_real pull_i = LAW(tensile_i) * soft_i, pull_j = LAW(tensile_j) * soft_j, cap = LESSER(pull_i, pull_j) * area;
-    simd_int more = (r > LAW(bond.breaks)) | (f < -cap) | (x > LAW(bond.peak)) | ((stretch > 0.0) & (f > cap)) |
-                    ~((MAGNITUDE(power) < 700.0) & (r2 > 0.0));
-
-    simd_real fdn = -LAW(cn_mass) * vn, fn = f + fdn;
-    simd_real ft = zero, fdt = zero, arm_i = zero, arm_j = zero, freed = zero, damped = zero, spring = OF_K(l->spring);
-    if (spin) {
-        simd_real share = r * LAW(bond.over_r0), before = spring;
-        arm_i = share * OF_I(p->radius);
-        arm_j = share * OF_J(p->radius);
-        vt = vt - (OF_I(p->w) * arm_i + OF_J(p->w) * arm_j);
-        simd_real kt = LAW(kt_link);
-        simd_real yield_i = LAW(yield_i) * soft_i, yield_j = LAW(yield_j) * soft_j;
-        simd_real held = LESSER(yield_i, yield_j) * area;
-        spring = spring + vt * pass->dt_path;
-        simd_int slips = kt * MAGNITUDE(spring) > held;
-        if (any(&slips)) {
+    simd_real cn = zero + law->cn_mass, ct = zero + law->ct_mass;
+    if (law->a_p != 0.0 || law->a_t != 0.0) {
+        simd_real change = 1.0 + law->a_p * (0.5 * (OF_I(p->p) + OF_J(p->p))) +
+                           law->a_t * (0.5 * (OF_I(p->temperature) + OF_J(p->temperature)) - law->t0_mean);
+        cn = cn * SIMD_CHOOSE(change > 0.0, change, zero);
+    }
+    simd_real fdn = -cn * at->vn, fn = f + fdn;
+    simd_real ft = zero, fdt = zero, arm_i = zero, arm_j = zero, freed = zero, damped = zero, spring = zero;
+    if (tangential) {
+        simd_real share = at->r * bond->over_r0, before = OF_K(l->spring);
+        arm_i = share * law->radius_i;
+        arm_j = share * law->radius_j;
+        simd_real vt = at->vt - (OF_I(p->w) * arm_i + OF_J(p->w) * arm_j);
+        spring = before + vt * pass->dt_path;
+        if (yields) {
             const simd_int sign = {INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN};
-            held = held / kt;
+            simd_int slips = law->kt_link * MAGNITUDE(spring) > held;
+            held = held / law->kt_link;
             held = (simd_real)(((simd_int)held & ~sign) | ((simd_int)spring & sign));
-            held = SIMD_CHOOSE(slips, held, spring);
-            freed = SIMD_CHOOSE(slips, kt * (0.5 * (before + held)) * (spring - held), zero);
-            spring = held;
+            freed = SIMD_CHOOSE(slips, law->kt_link * (0.5 * (before + held)) * (spring - held), zero);
+            spring = SIMD_CHOOSE(slips, held, spring);
         }
-        simd_real fs = -kt * spring;
-        fdt = -LAW(ct_mass) * vt;
+        simd_real fs = -law->kt_link * spring;
+        fdt = -ct * vt;
         ft = fs + fdt;
         damped = damped - fdt * vt * pass->dt_kick;
     }
-    damped = damped - fdn * vn * pass->dt_kick;
-    simd_real gained = LAW(conduction) * (area * over) * (OF_J(p->temperature) - OF_I(p->temperature)) * pass->dt_kick;
+    damped = damped - fdn * at->vn * pass->dt_kick;
+    simd_real gained = zero;
+    if (law->conduction > 0.0)
+        gained = law->conduction * (bond->area * over) * (OF_J(p->temperature) - OF_I(p->temperature)) * pass->dt_kick;
 
     simd_real largest = (MAGNITUDE(fn) + MAGNITUDE(fdn)) + (MAGNITUDE(ft) + MAGNITUDE(fdt));
     simd_real heat = MAGNITUDE(freed) + MAGNITUDE(damped) + MAGNITUDE(gained);
     more |= ~((largest * scale->force < 0x1p50) & (heat * scale->heat < 0x1p50));
     if (any(&more))
         return false;
+    if (measure) {
+        struct tally tally;
+        if (!measure_lanes(pass, bond, at, fn, ft, 0.5 * law->kt_link * (spring * spring), &tally))
+            return false;
+        add_tally(pass, q, &tally);
+    }
 
-    simd_real sx = nx * scale->force, sy = ny * scale->force;
+    simd_real sx = at->nx * scale->force, sy = at->ny * scale->force;
     simd_int force[4] = {FIXED(fn * sx - ft * sy), FIXED(fn * sy + ft * sx), FIXED(fdn * sx - fdt * sy),
                          FIXED(fdn * sy + fdt * sx)};
     simd_int qfreed = FIXED(0.5 * freed * scale->heat), qdamped = FIXED(0.5 * damped * scale->heat);
@@ -147,67 +264,84 @@ DM2_INLINE bool batch_interact(const struct pass *pass, struct lists *l, const s
     simd_real tt = ft * scale->torque, tdt = fdt * scale->torque;
     simd_int other_i[4] = {-FIXED(arm_i * tt), -FIXED(arm_i * tdt), qfreed, qdamped + qgained};
     simd_int other_j[4] = {-FIXED(arm_j * tt), -FIXED(arm_j * tdt), qfreed, qdamped - qgained};
-    scatter(b, p->pair_sum, force, other_i, other_j);
-    for (int q = 0; spin && q < SIMD_LANES; q++)
-        l->spring[b->k[q]] = spring[q];
+    scatter(q, p->pair_sum, force, other_i, other_j);
+    for (int c = 0; tangential && c < SIMD_LANES; c++)
+        l->spring[q->k[c]] = spring[c];
     return true;
 }
 
-DM2_INLINE void wide_rows(struct pass *pass, struct lists *l, bool spin,
-                          void (*single)(struct pass *, struct lists *, uint32_t, uint32_t))
+static inline bool all_linked(const struct lists *l, const struct link_quad *q)
 {
-    const struct model *m = pass->m;
-    const struct particles *p = pass->p;
-    struct batch b = {.n = 0};
-    for (uint32_t i = 0; i < p->n_own; i++) {
-        double x = p->r[2 * i], y = p->r[2 * i + 1], radius = p->radius[i];
-        for (uint32_t k = l->near.start[i]; k < l->near.start[i + 1]; k++) {
-            size_t j = l->near.j[k];
-            double r0 = radius + p->radius[j];
-            if (l->linked[k]) {
-                const struct pair_law *law = model_law(m, p->kind[i], p->kind[j],
-                                                       relation_of(p->body[i], p->grain[i], p->body[j], p->grain[j]));
-                if (law->wide && law->bond.r0 == r0) {
-                    b.i[b.n] = i;
-                    b.j[b.n] = (uint32_t)j;
-                    b.k[b.n] = k;
-                    b.law[b.n++] = law;
-                    if (b.n < SIMD_LANES)
-                        continue;
-                    b.n = 0;
-                    if (batch_interact(pass, l, &b, spin))
-                        continue;
-                    for (int q = 0; q < SIMD_LANES; q++)
-                        single(pass, l, b.i[q], b.k[q]);
+    return l->linked[q->k[0]] & l->linked[q->k[1]] & l->linked[q->k[2]] & l->linked[q->k[3]];
+}
+
+DM2_INLINE void wide_groups(struct pass *pass, struct lists *l, bool spin, bool periodic, bool measure,
+                            take_single *single)
+{
+    for (size_t g = 0; g < l->links.n_groups; g++) {
+        const struct link_group *group = &l->links.group[g];
+        for (size_t done = 0; done < group->n; done += BLOCK) {
+            const struct link_quad *q = l->links.quad + group->first + done;
+            size_t n = group->n - done < BLOCK ? group->n - done : BLOCK;
+            struct lanes at[BLOCK];
+            for (size_t b = 0; b < n; b++)
+                geometry(pass, &q[b], periodic, &at[b]);
+            for (size_t b = 0; b < n; b++)
+                central(group->law, l, &q[b], &at[b]);
+            for (size_t b = 0; b < n; b++) {
+                if (all_linked(l, &q[b]) && interact(pass, l, group->law, &q[b], &at[b], spin, measure))
                     continue;
-                }
+                for (int c = 0; c < SIMD_LANES; c++)
+                    single(pass, l, q[b].i[c], q[b].k[c]);
             }
-            double dx = x - p->r[2 * j], dy = y - p->r[2 * j + 1];
-            if (l->linked[k] || dx * dx + dy * dy <= r0 * r0 * (1.0 + 0x1p-40) || lists_remembers(l, k))
-                single(pass, l, i, k);
         }
     }
-    for (int q = 0; q < b.n; q++)
-        single(pass, l, b.i[q], b.k[q]);
 }
 
-DM2_WIDE static void wide_spinning(struct pass *pass, struct lists *l,
-                                   void (*single)(struct pass *, struct lists *, uint32_t, uint32_t))
+DM2_WIDE static void wide_spinning(struct pass *pass, struct lists *l, take_single *single)
 {
-    wide_rows(pass, l, true, single);
+    wide_groups(pass, l, true, false, false, single);
 }
 
-DM2_WIDE static void wide_central(struct pass *pass, struct lists *l,
-                                  void (*single)(struct pass *, struct lists *, uint32_t, uint32_t))
+DM2_WIDE static void wide_spinning_periodic(struct pass *pass, struct lists *l, take_single *single)
 {
-    wide_rows(pass, l, false, single);
+    wide_groups(pass, l, true, true, false, single);
 }
 
-void near_wide(struct pass *pass, struct lists *lists,
-               void (*single)(struct pass *pass, struct lists *lists, uint32_t i, uint32_t k))
+DM2_WIDE static void wide_central(struct pass *pass, struct lists *l, take_single *single)
 {
-    if (pass->m->has_spin)
+    wide_groups(pass, l, false, false, false, single);
+}
+
+DM2_WIDE static void wide_central_periodic(struct pass *pass, struct lists *l, take_single *single)
+{
+    wide_groups(pass, l, false, true, false, single);
+}
+
+DM2_WIDE static void wide_measured(struct pass *pass, struct lists *l, take_single *single)
+{
+    wide_groups(pass, l, true, false, true, single);
+}
+
+DM2_WIDE static void wide_measured_periodic(struct pass *pass, struct lists *l, take_single *single)
+{
+    wide_groups(pass, l, true, true, true, single);
+}
+
+void near_wide(struct pass *pass, struct lists *lists, take_single *single)
+{
+    const struct model *m = pass->m;
+    bool periodic = m->grid.periodic[0] || m->grid.periodic[1];
+    if (pass->totals != NULL && periodic)
+        wide_measured_periodic(pass, lists, single);
+    else if (pass->totals != NULL)
+        wide_measured(pass, lists, single);
+    else if (m->has_spin && periodic)
+        wide_spinning_periodic(pass, lists, single);
+    else if (m->has_spin)
         wide_spinning(pass, lists, single);
+    else if (periodic)
+        wide_central_periodic(pass, lists, single);
     else
         wide_central(pass, lists, single);
 }

@@ -39,7 +39,7 @@ static const struct column columns[] = {
     COLUMN(p, 1, PRESSURE), COLUMN(moved, 1, KINDS), COLUMN(was, 1, KINDS), COLUMN(share, 2, REACTION),
     COLUMN(strain, 3, STRAIN),
     /* what only one force evaluation needs */
-    COLUMN(far_sum, 2, FAR), COLUMN(pair_sum, SUM_COUNT, NEAR), COLUMN(virial, 3, ALWAYS),
+    COLUMN(far_sum, 2, FAR), COLUMN(pair_sum, SUM_COUNT, NEAR), COLUMN(virial, VIRIAL_COUNT, ALWAYS),
     COLUMN(around, AROUND_COUNT, NEAR),
 };
 enum { COLUMNS = sizeof columns / sizeof columns[0], STATE_COLUMNS = COLUMNS - 4 };
@@ -172,7 +172,7 @@ void particles_put(struct particles *p, const struct model *m, size_t i, const s
         memcpy(p->share + 2 * i, in->share, sizeof in->share);
     if (p->groups & STRAIN)
         memcpy(p->strain + 3 * i, in->strain, sizeof in->strain);
-    particles_warm(p, m, i);
+    particles_warm(p, m, i, 1.0 / p->mass[i]);
 }
 
 /* One column in its new order. Inlined with the common widths, so that a copy is a move and not a call. */
@@ -208,15 +208,6 @@ int particles_permute(struct particles *p, const uint32_t *from, size_t n)
     return 0;
 }
 
-double particles_softening(const struct kind *kind, double temperature)
-{
-    if (!(temperature > kind->t0) || !isfinite(kind->tm))
-        return 1.0;
-    if (!(temperature < kind->tm))
-        return 0.0;
-    return 1.0 - real_pow((temperature - kind->t0) / (kind->tm - kind->t0), kind->softening);
-}
-
 double particles_heat_capacity(const struct particles *p, const struct model *m, size_t i)
 {
     const struct reaction_table *x = &m->reaction;
@@ -229,14 +220,4 @@ double particles_heat_capacity(const struct particles *p, const struct model *m,
     for (int k = 0; k < 3; k++)
         cp += part[k] * (material[k] == kind->material ? kind->cp : m->kinds[material[k]].cp);
     return cp;
-}
-
-void particles_warm(struct particles *p, const struct model *m, size_t i)
-{
-    const struct kind *kind = &m->kinds[p->kind[i]];
-    if (p->temperature == NULL)
-        return;
-    double cp = particles_heat_capacity(p, m, i);
-    p->temperature[i] = isfinite(cp) ? kind->t0 + p->heat[i] / (p->mass[i] * cp) : kind->t0;
-    p->soft[i] = particles_softening(kind, p->temperature[i]);
 }

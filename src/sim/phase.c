@@ -57,7 +57,7 @@ void phase_become(const struct model *m, struct particles *p, size_t i, size_t k
     p->heat[i] += p->mass[i] * (m->kinds[was].energy - m->kinds[kind].energy);
     p->kind[i] = (uint16_t)kind;
     p->radius[i] = after;
-    particles_warm(p, m, i);
+    particles_warm(p, m, i, 1.0 / p->mass[i]);
 }
 
 void phase_follow(const struct model *m, struct particles *p, size_t i, size_t was, size_t kind)

@@ -126,7 +126,7 @@ enum dm2_status reaction_apply(const struct model *m, struct particles *p, const
         if (m->kinds[p->kind[i]].material != x->product && share[0] + share[1] < x->threshold)
             phase_become(m, p, i, (size_t)x->product);
         else
-            particles_warm(p, m, i);
+            particles_warm(p, m, i, 1.0 / p->mass[i]);
     }
     return DM2_OK;
 }

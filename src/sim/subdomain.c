@@ -448,7 +448,7 @@ static enum dm2_status arrange(struct subdomain *sd, const struct parcel *parcel
     status = DM2_MEMORY;
     if (carry_all(sd, parcels, n_parcels, n_old, moved, old_id, initial) != 0 || build_send_lists(sd) != 0)
         goto done;
-    sd->p.r[2 * n] = sd->p.r[2 * n + 1] = PARTICLES_FAR;
+    sd->p.r[2 * n] = sd->p.r[2 * n + 1] = sd->model->far_place;
     status = DM2_OK;
 done:
     free(in.newcomers);
@@ -789,7 +789,7 @@ enum dm2_status subdomain_take_update(struct subdomain *sd, int src, const doubl
         for (size_t a = 0; a < 2 && m->reaction.any; a++)
             p->share[2 * i + a] = in[k++];
         if (m->has_heat || m->has_kinds)
-            particles_warm(p, m, i);
+            particles_warm(p, m, i, 1.0 / p->mass[i]);
     }
     return DM2_OK;
 }

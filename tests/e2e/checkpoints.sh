@@ -51,7 +51,9 @@ interrupted()
     wait $pid || got=$?
     [ $got -eq 1 ] || fail "status $got: $(cat err)"
     expect_text err 'interrupted by a signal at step'
-    expect_text err 'deck.dm2 --restart cut/checkpoint.dm2'
+    expect_text err 'to continue: '
+    sed -n 's/.*to continue: //p' err >again.sh # a command for the shell
+    expect_text again.sh ' --restart cut/checkpoint.dm2 '
     [ -f cut/history.csv.part ] || fail "no history is left"
     [ ! -f cut/history.csv ] || fail "half a history has the final name"
 }
@@ -59,7 +61,14 @@ interrupted "$seq"
 expect_status 0 "$client" deck.dm2 -n 2 -q --restart cut/checkpoint.dm2
 same_run whole cut
 interrupted "$client" -n 2
+cp -R cut copied
 expect_status 0 "$seq" deck.dm2 -q --restart cut/checkpoint.dm2
+same_run whole cut
+rm -rf cut
+mv copied cut
+expect_text again.sh ' -n 2'
+expect_status 0 sh again.sh
+expect_text out ' on 2 servers in '
 same_run whole cut
 same_bytes whole/snapshots/series.pvd cut/snapshots/series.pvd
 

@@ -17,6 +17,14 @@ expect_status 0 sh "$script" unlimited 2 sh -c "\"$DM2_BIN/dm2-client\" \"$deck\
 expect_status 0 "$DM2_BIN/dm2-seq" "$deck" -q -o here --steps 10
 same_bytes far/final.dm2 here/final.dm2
 
+# A run through a slow link takes longer than constants without a network say, because it waits.
+printf '%s\n' quantity,servers,value,unit format,,2, "host,,$(uname -n)," \
+    "version,,$("$DM2_BIN/dm2-client" --version | cut -d ' ' -f 2)," d_x,,0.04,cm d_y,,0.03464,cm L_x,,0.121,cm L_y,,0.121,cm \
+    g,,40,byte k,,1e-08,s k_spread,,0,s sizes,,0, networks,,1, m,2,0,s/byte b,2,0,s residual,2,0,s >here.csv
+expect_status 0 sh "$script" 10baset 2 sh -c "\"$DM2_BIN/dm2-client\" \"$DM2_SRC/input/timing.dm2\" -D n=4000 --steps 6 -o slow \
+    --calibration here.csv --hosts \"\$HOSTS\" --key \"\$KEY\""
+expect_text out 'largest cause of the difference: waiting, +'
+
 # nothing_left PID: no namespace, process, link, control file or directory of the script with this id is there.
 mkdir -m 777 temporary
 nothing_left()

@@ -53,3 +53,46 @@ expect_text err missing.csv
 # A run without steps has nothing to compare.
 expect_status 0 "$client" "$deck" -n 2 -o none --steps 0
 ! grep -q '^predicted' out || fail "a prediction for no step"
+
+# On servers that are named: the same lines, with a calibration and without; each is taken to have its machine.
+start_server
+echo "$SERVER_ADDR" >hosts
+start_server
+echo "$SERVER_ADDR" >>hosts
+rm -f dm2-calibration.csv
+expect_status 0 "$client" "$deck" --hosts hosts -o named
+said out
+said named/run.log
+expect_text out "estimated from this run's own"
+expect_status 0 "$client" "$deck" --hosts hosts -o named --overwrite --calibration here.csv
+said out
+expect_text out '(calibrated: here.csv)'
+
+# All elements on one of four servers, and constants with which nothing takes time: of a difference that is all of the time, that
+# server's work beyond the average is three quarters of the computing.
+cat >lopsided.dm2 <<'END'
+domain {
+  size = 16 4
+  r_c = 0.18
+  delta_r = 0.01
+}
+time {
+  dt = 0.01 us
+  steps = 6
+}
+material Ni {
+  rho0 = 8.874 g/cm3
+  c0 = 4.602 km/s
+  s = 1.437
+}
+body block {
+  shape = rectangle 0.1 0.1 3.8 3.9
+  spacing = 0.02
+  radius = 0.01
+  material = Ni
+}
+END
+sed -e 's/^k,.*/k,,1e-25,s/; s/^m,2.*/m,2,0,s\/byte/; s/^b,2.*/b,2,0,s/' here.csv >nothing.csv
+expect_status 0 "$client" lopsided.dm2 -n 4 --balance space -o lopsided --calibration nothing.csv
+said out
+expect_text out 'largest cause of the difference: imbalance, +'

@@ -35,6 +35,19 @@ expect_text out ' done: '
 expect_status 0 sh "$script" stop hosts
 [ "$(grep -c 'ended process' out)" -eq 2 ] || fail "not stopped"
 
+# With a key, which lies where the servers run; options may hold blanks and quotes.
+mkdir "home/.dm2/it's here"
+expect_status 0 "$DM2_SERVER" --new-key "home/.dm2/it's here/key"
+expect_status 0 sh "$script" start hosts --key "it's here/key" --allow 127.0.0.0/8
+expect_status 0 "$DM2_BIN/dm2-client" --status --hosts hosts --key "home/.dm2/it's here/key"
+[ "$(grep -c ': free; ' out)" -eq 2 ] || fail "the servers are not free: $(cat out)"
+expect_status 3 "$DM2_BIN/dm2-client" --status --hosts hosts
+expect_status 0 "$DM2_BIN/dm2-client" "$deck" -q --hosts hosts --key "home/.dm2/it's here/key" -o keyed --steps 3
+same_bytes run/final.dm2 keyed/final.dm2
+expect_status 3 "$DM2_BIN/dm2-client" "$deck" -q --hosts hosts -o strange --steps 3
+expect_status 0 sh "$script" stop hosts
+[ "$(grep -c 'ended process' out)" -eq 2 ] || fail "not stopped"
+
 # A port that is taken, and files that are wrong: nothing is done before the whole file is read.
 start_server
 printf '127.0.0.1:%s\n' "$SERVER_PORT" >taken

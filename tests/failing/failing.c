@@ -1,11 +1,15 @@
 /* Linked into a program in front of the system's calls (-Wl,--wrap): the Nth call that could fail does fail, once.
- * DM2_FAIL=CLASS:N, with CLASS memory, open, write, fsync or rename. The file DM2_FAIL_MARK is then there. */
+ * DM2_FAIL=CLASS:N, with CLASS memory, open, write, fsync, rename, read, socket (also accept, connect, pipe, fork), poll or
+ * writev. The file DM2_FAIL_MARK is then there. */
 #include <errno.h>
 #include <fcntl.h>
+#include <poll.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <sys/types.h>
+#include <sys/uio.h>
 #include <unistd.h>
 
 void *__real_malloc(size_t n);
@@ -16,6 +20,14 @@ int __real_open(const char *path, int flags, ...);
 ssize_t __real_write(int fd, const void *data, size_t n);
 int __real_fsync(int fd);
 int __real_rename(const char *from, const char *to);
+ssize_t __real_read(int fd, void *data, size_t n);
+ssize_t __real_writev(int fd, const struct iovec *iov, int n);
+int __real_poll(struct pollfd *polls, nfds_t n, int timeout);
+int __real_socket(int domain, int type, int protocol);
+int __real_accept(int fd, struct sockaddr *address, socklen_t *length);
+int __real_connect(int fd, const struct sockaddr *address, socklen_t length);
+int __real_pipe(int fd[2]);
+pid_t __real_fork(void);
 
 void *__wrap_malloc(size_t n);
 void *__wrap_calloc(size_t n, size_t size);
@@ -25,6 +37,14 @@ int __wrap_open(const char *path, int flags, ...);
 ssize_t __wrap_write(int fd, const void *data, size_t n);
 int __wrap_fsync(int fd);
 int __wrap_rename(const char *from, const char *to);
+ssize_t __wrap_read(int fd, void *data, size_t n);
+ssize_t __wrap_writev(int fd, const struct iovec *iov, int n);
+int __wrap_poll(struct pollfd *polls, nfds_t n, int timeout);
+int __wrap_socket(int domain, int type, int protocol);
+int __wrap_accept(int fd, struct sockaddr *address, socklen_t *length);
+int __wrap_connect(int fd, const struct sockaddr *address, socklen_t length);
+int __wrap_pipe(int fd[2]);
+pid_t __wrap_fork(void);
 
 static long calls;
 
@@ -102,4 +122,76 @@ int __wrap_rename(const char *from, const char *to)
         return -1;
     }
     return __real_rename(from, to);
+}
+
+ssize_t __wrap_read(int fd, void *data, size_t n)
+{
+    if (fails("read")) {
+        errno = EIO;
+        return -1;
+    }
+    return __real_read(fd, data, n);
+}
+
+ssize_t __wrap_writev(int fd, const struct iovec *iov, int n)
+{
+    if (fails("writev")) {
+        errno = ECONNRESET;
+        return -1;
+    }
+    return __real_writev(fd, iov, n);
+}
+
+int __wrap_poll(struct pollfd *polls, nfds_t n, int timeout)
+{
+    if (fails("poll")) {
+        errno = ENOMEM;
+        return -1;
+    }
+    return __real_poll(polls, n, timeout);
+}
+
+int __wrap_socket(int domain, int type, int protocol)
+{
+    if (fails("socket")) {
+        errno = EMFILE;
+        return -1;
+    }
+    return __real_socket(domain, type, protocol);
+}
+
+int __wrap_accept(int fd, struct sockaddr *address, socklen_t *length)
+{
+    if (fails("socket")) {
+        errno = ECONNABORTED;
+        return -1;
+    }
+    return __real_accept(fd, address, length);
+}
+
+int __wrap_connect(int fd, const struct sockaddr *address, socklen_t length)
+{
+    if (fails("socket")) {
+        errno = ENETUNREACH;
+        return -1;
+    }
+    return __real_connect(fd, address, length);
+}
+
+int __wrap_pipe(int fd[2])
+{
+    if (fails("socket")) {
+        errno = EMFILE;
+        return -1;
+    }
+    return __real_pipe(fd);
+}
+
+pid_t __wrap_fork(void)
+{
+    if (fails("socket")) {
+        errno = EAGAIN;
+        return -1;
+    }
+    return __real_fork();
 }

@@ -1,7 +1,25 @@
-/* The first byte chooses a message, the rest is its payload. */
+/* The first byte chooses a message, or what segments and states are made of; the rest is its payload. */
 #include "fuzz.h"
 
 #include "dm2/dist/messages.h"
+#include "dm2/dist/wire.h"
+
+enum { PARCEL = 100, RECORDS = 101 };
+
+/* One of each. */
+static void get_records(struct bytes_reader *r, const struct wire_limits *limits)
+{
+    struct element e;
+    struct pair_record p;
+    struct element_measure m;
+    struct measures all;
+    struct profile_bin bin;
+    wire_get_element(r, limits, &e);
+    wire_get_pair(r, limits, &p);
+    wire_get_measured(r, &m);
+    wire_get_measures(r, &all);
+    wire_get_bin(r, &bin);
+}
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
@@ -14,9 +32,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         struct done_message done;
         struct error_message error;
         struct profile_message profile;
+        struct report_message report;
     } m;
     struct deck_message deck;
     struct assign_message assign;
+    struct parcel parcel;
+    const struct wire_limits limits = {.elements = 1000, .bodies = 4, .kinds = 4};
     if (size == 0)
         return 0;
     struct bytes_reader r = bytes_reader_of(data + 1, size - 1);
@@ -53,6 +74,16 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         break;
     case MESSAGE_PROFILE:
         message_get_profile(&r, &m.profile);
+        break;
+    case MESSAGE_REPORT:
+        message_get_report(&r, &m.report);
+        break;
+    case PARCEL:
+        wire_get_parcel(&r, &limits, &parcel);
+        wire_parcel_free(&parcel);
+        break;
+    case RECORDS:
+        get_records(&r, &limits);
         break;
     default:
         break;

@@ -1,5 +1,6 @@
-/* The bytes are all that a client sends. Byte 0 says whether the server has a key; magic, version and checksum of frames are
- * put right, so that what is behind them is reached. */
+/* The bytes are all that a client sends. Byte 0 says whether the server has a key, and whether it has time (bit 1: it has not, and
+ * the bytes come from one who stands in the lobby); magic, version and checksum of frames are put right, so that what is
+ * behind them is reached. */
 #include "fuzz.h"
 
 #include <fcntl.h>
@@ -8,7 +9,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "dm2/base/clock.h"
 #include "dm2/base/crc32c.h"
+#include "dm2/dist/lobby.h"
 #include "dm2/dist/messages.h"
 #include "dm2/dist/server.h"
 #include "dm2/net/frame.h"
@@ -27,6 +30,22 @@ static void mend_headers(unsigned char *bytes, size_t n)
         h.checksum = crc32c(crc32c(0, bytes + at, FRAME_HEADER - 4), bytes + at + FRAME_HEADER, h.length);
         frame_header_encode(&h, bytes + at);
     }
+}
+
+/* A server that is busy looks at what has come; takes fd over. */
+static void stand_outside(int fd, const struct server_options *options)
+{
+    struct lobby lobby;
+    const struct session_summary session = {.deck = "a deck", .rank = 1, .ranks = 2, .steps = 3};
+    struct visitor *v = &lobby.visitors[0];
+    lobby_open(&lobby, -1, options, NULL, NULL);
+    lobby.business = (struct lobby_business){.peer = "a friend", .session = &session};
+    *v = (struct visitor){.kind = VISITOR_NEW, .until = clock_now() + 1};
+    channel_open(&v->channel, fd, PROTOCOL_VERSION, "fuzz");
+    lobby.n = 1;
+    for (int k = 0; k < 4; k++)
+        (void)lobby_wait(&lobby, -1, deadline_in(1e-6, -1));
+    lobby_close(&lobby);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
@@ -52,10 +71,14 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (bytes != NULL) {
         memcpy(bytes, data + 1, size - 1);
         mend_headers(bytes, size - 1);
-        if (write(fd[1], bytes, size - 1) > 0 && shutdown(fd[1], SHUT_WR) == 0)
+        if (write(fd[1], bytes, size - 1) > 0 && data[0] / 2 % 2 == 1)
+            stand_outside(fd[0], &options);
+        else if (shutdown(fd[1], SHUT_WR) == 0)
             (void)server_session(fd[0], "fuzz", &options, &summary, &err);
         else
             (void)close(fd[0]);
+    } else {
+        (void)close(fd[0]);
     }
     (void)close(fd[1]);
     free(bytes);

@@ -1,7 +1,9 @@
 /* The ends of a connection that the tests play themselves.
  *
  *     tcp send PORT     connects to 127.0.0.1, sends standard input, ends its stream, prints what comes back
- *     tcp hold PORT     connects, prints "connected", and does nothing until standard input ends
+ *     tcp hold PORT     connects, begins to say HELLO, prints "connected", and does nothing more until standard input
+ *                       ends: a server waits for the rest
+ *     tcp silent PORT   the same without a word
  *     tcp mirror        listens on a free port, prints it, takes one connection, sends back what comes
  *     tcp answer        listens on a free port, prints it, takes one connection, sends standard input
  *                       at once, and waits for the other end to close
@@ -15,6 +17,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "dm2/dist/messages.h"
 #include "dm2/net/socket.h"
 
 static struct deadline until;
@@ -75,6 +78,15 @@ static int answer(bool mirror)
     return 0;
 }
 
+static void begin_hello(int fd)
+{
+    unsigned char head[FRAME_HEADER];
+    const struct frame_header h = {.version = PROTOCOL_VERSION, .type = MESSAGE_HELLO, .length = 8};
+    struct iovec part = {head, sizeof head};
+    frame_header_encode(&h, head);
+    (void)socket_write_all(fd, &part, 1, until, NULL);
+}
+
 int main(int argc, char **argv)
 {
     struct dm2_error err = {0};
@@ -89,8 +101,10 @@ int main(int argc, char **argv)
         (void)fprintf(stderr, "%s\n", err.text);
         return 1;
     }
-    if (strcmp(argv[1], "hold") == 0) {
+    if (strcmp(argv[1], "hold") == 0 || strcmp(argv[1], "silent") == 0) {
         char waste[256];
+        if (argv[1][0] == 'h')
+            begin_hello(fd);
         (void)printf("connected\n");
         (void)fflush(stdout);
         while (read(STDIN_FILENO, waste, sizeof waste) > 0)

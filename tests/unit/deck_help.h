@@ -33,6 +33,27 @@ static inline struct loaded load_text(const char *text, const char *const *defin
     return out;
 }
 
+/* Loads a file and what it includes; a file that cannot be read ends the test. */
+static inline struct loaded load_path(const char *path, const char *const *defines, int64_t steps)
+{
+    struct loaded out;
+    struct deck_source source;
+    struct dm2_error err = {0};
+    if (deck_source_read(path, &source, &err) != DM2_OK) {
+        printf("%s\n", err.text);
+        exit(1);
+    }
+    source.defines = (char **)defines;
+    while (defines != NULL && defines[source.n_defines] != NULL)
+        source.n_defines++;
+    source.steps = steps;
+    out.status = deck_load(&source, &out.config, &out.report);
+    source.defines = NULL; /* the caller's */
+    source.n_defines = 0;
+    deck_source_free(&source);
+    return out;
+}
+
 static inline void loaded_free(struct loaded *l)
 {
     config_free(&l->config);

@@ -41,11 +41,9 @@ static inline void engine_must(const struct engine *g, enum dm2_status status)
     }
 }
 
-/* Loads the deck and cuts its grid; no subdomain yet. */
-static inline void engine_load(struct engine *g, const char *text, const char *const *defines, int ranks)
+/* Builds the model of g->deck and cuts its grid; no subdomain yet. */
+static inline void engine_cut(struct engine *g, int ranks)
 {
-    memset(g, 0, sizeof *g);
-    g->deck = load_text(text, defines, -1);
     if (g->deck.status != DM2_OK) {
         printf("%s\n", g->deck.report.text);
         exit(1);
@@ -56,10 +54,28 @@ static inline void engine_load(struct engine *g, const char *text, const char *c
     rebuild_plan_start(&g->plan, &g->deck.config);
 }
 
+/* Loads the deck and cuts its grid; no subdomain yet. */
+static inline void engine_load(struct engine *g, const char *text, const char *const *defines, int ranks)
+{
+    memset(g, 0, sizeof *g);
+    g->deck = load_text(text, defines, -1);
+    engine_cut(g, ranks);
+}
+
 /* The deck's own initial state. */
 static inline void engine_start(struct engine *g, const char *text, const char *const *defines, int ranks)
 {
     engine_load(g, text, defines, ranks);
+    for (int r = 0; r < ranks; r++)
+        engine_must(g, subdomain_create(g->model, &g->map, r, &g->sd[r], &g->err));
+}
+
+/* The same of a deck in a file, with what it includes. */
+static inline void engine_start_file(struct engine *g, const char *path, const char *const *defines, int ranks)
+{
+    memset(g, 0, sizeof *g);
+    g->deck = load_path(path, defines, -1);
+    engine_cut(g, ranks);
     for (int r = 0; r < ranks; r++)
         engine_must(g, subdomain_create(g->model, &g->map, r, &g->sd[r], &g->err));
 }

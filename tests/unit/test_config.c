@@ -100,7 +100,7 @@ TEST(bodies_and_defaults)
     CHECK_EQ_INT(c.output.n_snapshot_at, 3);
     CHECK(c.output.snapshot_at[0] == 0 && c.output.snapshot_at[1] == 3 && c.output.snapshot_at[2] == 7);
     CHECK(c.output.xyz && !c.output.vtp);
-    CHECK_EQ_INT(c.output.history_every, 1);
+    CHECK_EQ_INT(c.output.history_every, 150);
     CHECK_EQ_INT(c.output.snapshot_every, 0);
     CHECK_EQ_INT(c.search, SEARCH_CELLS_AND_LISTS);
     CHECK_EQ_INT(c.balance, BALANCE_SPACE);

@@ -115,10 +115,10 @@ TEST(steps_replaced)
     struct loaded l = load_text("domain { size = 9 9; r_c = 1; delta_r = 1 }\ntime { dt = 1 }\n"
                                 "material M { rho0 = 1; c0 = 1; s = 1 }\n"
                                 "body b { shape = rectangle 0 0 1 1; spacing = 0.1; material = M }\n",
-                                NULL, 5000);
+                                NULL, 50000);
     CHECK_STR(l.report.text, "");
-    CHECK_EQ_INT(l.config.steps, 5000);
-    CHECK_EQ_INT(l.config.output.history_every, 25);
+    CHECK_EQ_INT(l.config.steps, 50000);
+    CHECK_EQ_INT(l.config.output.history_every, 250);
     loaded_free(&l);
 }
 

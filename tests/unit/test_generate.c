@@ -103,6 +103,52 @@ TEST(grains_are_voronoi_cells)
     engine_stop(&g);
 }
 
+TEST(mixes_have_their_fractions)
+{
+    struct engine g;
+    struct made m = make(HEAD BODY "mix = Cu 0.3, Al 0.7; seed = 2 }\n", NULL, &g);
+    size_t copper = 0;
+    for (size_t i = 0; i < m.n; i++) {
+        copper += m.e[i].kind == 0;
+        CHECK_NEAR(m.e[i].radius, 0.01, 0.0); /* all of one size: fractions of elements are those of volume */
+    }
+    CHECK(m.n > 2500);
+    CHECK_NEAR((double)copper / (double)m.n, 0.3, 0.03);
+    free(m.e);
+    engine_stop(&g);
+}
+
+/* Neighbours of a grain lie at multiples of 60 degrees to its own direction, and directions are spread over the 60 degrees that the
+ * lattice has. */
+TEST(grains_have_orientations)
+{
+    struct engine g;
+    struct grain_set set;
+    struct made m =
+        make(HEAD BODY "material = Cu; structure = polycrystal; grain_size = 0.12; seed = 3 }\n", NULL, &g);
+    size_t rows = 0, thirds[3] = {0};
+    CHECK_EQ_INT(grains_build(model_config(g.model), 0, 0, 0.02, &set, &g.err), DM2_OK);
+    for (size_t i = 1; i < m.n; i++) {
+        double dx = m.e[i].r[0] - m.e[i - 1].r[0], dy = m.e[i].r[1] - m.e[i - 1].r[1];
+        if (m.e[i].grain != m.e[i - 1].grain || fabs(sqrt(dx * dx + dy * dy) - 0.02) > 1e-9)
+            continue;
+        const struct grain *grain = &set.grain[m.e[i].grain];
+        double c = (dx * grain->cosine + dy * grain->sine) / 0.02, c2 = c * c;
+        CHECK_NEAR(32 * c2 * c2 * c2 - 48 * c2 * c2 + 18 * c2 - 1, 1.0, 1e-9); /* cos 6 theta */
+        rows++;
+    }
+    for (size_t k = 0; k < set.n; k++) {
+        double turn = atan2(set.grain[k].sine, set.grain[k].cosine) / (3.14159265358979 / 3.0);
+        CHECK(turn >= 0.0 && turn < 1.0);
+        thirds[turn < 1.0 / 3.0 ? 0 : turn < 2.0 / 3.0 ? 1 : 2]++;
+    }
+    CHECK(rows > m.n / 2);
+    CHECK(set.n > 60 && thirds[0] > set.n / 6 && thirds[1] > set.n / 6 && thirds[2] > set.n / 6);
+    grains_free(&set);
+    free(m.e);
+    engine_stop(&g);
+}
+
 /* Linked or not, a polycrystal starts at rest without stress; and the first links are those of the lattice.
  */
 TEST(a_polycrystal_starts_without_stress)
@@ -309,6 +355,7 @@ TEST(what_cannot_be_made_is_refused)
 }
 
 TEST_MAIN(CASE(a_polycrystal_is_dense_and_does_not_overlap), CASE(grains_are_voronoi_cells),
+          CASE(mixes_have_their_fractions), CASE(grains_have_orientations),
           CASE(a_polycrystal_starts_without_stress), CASE(every_rank_makes_the_same),
           CASE(powders_are_as_dense_as_asked_and_do_not_overlap), CASE(voids_hold_nothing),
           CASE(flaws_cut_links), CASE(what_cannot_be_made_is_refused))

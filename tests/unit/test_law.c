@@ -1,5 +1,5 @@
 /* The pair law: potentials against their closed forms and against the slope of their energies, yield lengths against
- * the force there, and the promise that exchanging the two elements changes signs alone, to the last bit. */
+ * the force there, damping and conduction against their equations, and the promise that exchanging the two elements changes signs alone, to the last bit. */
 #include "check.h"
 
 #include "dm2/sim/law.h"
@@ -206,5 +206,53 @@ TEST(tension_yield_is_a_return_map)
     }
 }
 
-TEST_MAIN(CASE(potentials_have_their_closed_forms), CASE(force_is_the_slope_of_the_energy), CASE(stiffness_at_contact),
+/* c_n = zeta 2 sqrt(k m_eff) (1 + a_p P + a_t (T - T0)), never below 0; an unlinked contact never pulls. */
+TEST(damping_follows_pressure_and_temperature)
+{
+    static const double zeta = 0.1, k = 2.0, m_i = 0.3, m_j = 0.6, a_p = 0.7, a_t = 1e-3;
+    struct pair_law law = {.potential = POTENTIAL_QUADRATIC, .scope = SCOPE_LINKED, .near = true, .k = k,
+                           .cn = zeta * 2.0 * sqrt(k), .cn_mass = -1.0, .ct_mass = -1.0, .a_p = a_p, .a_t = a_t,
+                           .t0_mean = 300.0, .yield_i = INFINITY, .yield_j = INFINITY, .tensile_i = INFINITY,
+                           .tensile_j = INFINITY, .link_break = 1.05};
+    struct pair_view v = {.r = r0, .over_r = 1.0 / r0, .radius_i = 0.5 * r0, .radius_j = 0.5 * r0, .vn = -0.02,
+                          .mass_i = m_i, .mass_j = m_j, .soft_i = 1.0, .soft_j = 1.0, .t_i = 500.0, .t_j = 600.0,
+                          .p_i = 0.1, .p_j = 0.3};
+    struct pair_state s = {.linked = true};
+    struct pair_effect e;
+    double plain = zeta * 2.0 * sqrt(k * (m_i * m_j / (m_i + m_j)));
+    pair_interact(&law, &v, 1.0, 1.0, &s, &e);
+    CHECK_NEAR_REL(e.fdn, 0.02 * plain * (1.0 + a_p * 0.2 + a_t * 250.0), 1e-14);
+    CHECK_NEAR_REL(e.heat_damped, 0.02 * e.fdn, 1e-14);
+    law.a_t = -0.1; /* would feed energy in */
+    pair_interact(&law, &v, 1.0, 1.0, &s, &e);
+    CHECK_NEAR(e.fdn, 0.0, 0.0);
+    law.a_t = a_t;
+    v.vn = 0.02; /* they part: a link holds back, a contact lets go */
+    pair_interact(&law, &v, 1.0, 1.0, &s, &e);
+    CHECK(e.fn < 0.0);
+    s.linked = false;
+    pair_interact(&law, &v, 1.0, 1.0, &s, &e);
+    CHECK_NEAR(e.fn, 0.0, 0.0);
+}
+
+/* Q = kappa (A/r)(T_j - T_i) dt, A = r0/sqrt(3), in a link and in a contact; none without either. */
+TEST(conduction_is_fouriers)
+{
+    struct pair_law law = {.potential = POTENTIAL_QUADRATIC, .scope = SCOPE_LINKED, .near = true, .k = 2.0,
+                           .cn_mass = -1.0, .ct_mass = -1.0, .yield_i = INFINITY, .yield_j = INFINITY,
+                           .tensile_i = INFINITY, .tensile_j = INFINITY, .link_break = 1.05, .conduction = 3e-11};
+    for (int linked = 0; linked < 2; linked++) {
+        for (int apart = 0; apart < 2; apart++) {
+            double r = r0 * (apart ? 1.02 : 0.99);
+            struct pair_view v = {.r = r, .over_r = 1.0 / r, .radius_i = 0.5 * r0, .radius_j = 0.5 * r0, .mass_i = 1.0,
+                                  .mass_j = 1.0, .soft_i = 1.0, .soft_j = 1.0, .t_i = 300.0, .t_j = 700.0};
+            struct pair_state s = {.linked = linked};
+            struct pair_effect e;
+            pair_interact(&law, &v, 0.5, 1.0, &s, &e);
+            CHECK_NEAR(e.exchange, linked || !apart ? 3e-11 * (r0 / sqrt(3.0) / r) * 400.0 * 0.5 : 0.0, 1e-22);
+        }
+    }
+}
+
+TEST_MAIN(CASE(damping_follows_pressure_and_temperature), CASE(conduction_is_fouriers), CASE(potentials_have_their_closed_forms), CASE(force_is_the_slope_of_the_energy), CASE(stiffness_at_contact),
           CASE(yield_lengths_carry_the_cap), CASE(exchange_changes_signs_alone), CASE(tension_yield_is_a_return_map))

@@ -13,13 +13,15 @@
 #include "dm2/base/clock.h"
 #include "dm2/base/fingerprint.h"
 #include "dm2/base/random.h"
+#include "dm2/dist/lobby.h"
 #include "dm2/dist/messages.h"
 #include "dm2/dist/server.h"
 
-enum { MANY = 300 };
 
 static const double HANDSHAKE = 2;
 static const struct auth_key KEY = {{1, 2, 3}}, OTHER = {{1, 2, 4}};
+
+static uint64_t many = 1000; /* strangers of each kind; DM2_STRANGERS=10000 for more */
 
 static pid_t server_id;
 static int port;
@@ -209,20 +211,20 @@ static void is_refused(const void *bytes, size_t n, bool answered)
 TEST(scanners_and_noise)
 {
     int fds = visit();
-    for (int k = 0; k < MANY; k++)
+    for (uint64_t k = 0; k < many; k++)
         socket_close(connected());
     is_refused("GET / HTTP/1.1\r\nHost: x\r\n\r\n", 27, true);
     is_refused("", 0, false);
     is_refused("DM2\032", 4, false);
     long pages = server_pages();
-    for (uint64_t k = 0; k < MANY; k++) {
+    for (uint64_t k = 0; k < many; k++) {
         unsigned char noise[512];
         size_t n = random_bits(1, k, 1) % sizeof noise;
         for (size_t i = 0; i < sizeof noise; i++)
             noise[i] = (unsigned char)random_bits(2, k, i);
         if (k % 2 == 0) { /* a header that is good as far as its length, or nearly so */
             const struct frame_header h = {.version = PROTOCOL_VERSION,
-                                           .type = noise[6] % 24,
+                                           .type = noise[6] % 27,
                                            .length = k % 4 == 0 ? AUTH_NONCE : noise[8]};
             frame_header_encode(&h, noise);
         }
@@ -255,6 +257,25 @@ TEST(slow_strangers_are_cut_off)
     (void)visit();
 }
 
+/* More of those who say nothing than find room: they are sent away, the friend behind them has his turn, and nothing of them
+ * stays. */
+TEST(a_silent_crowd_is_sent_away)
+{
+    enum { CROWD = 2 * LOBBY_MOST + 8 };
+    int fd[CROWD], fds = visit();
+    for (int k = 0; k < CROWD; k++)
+        fd[k] = connected();
+    double start = clock_now();
+    (void)visit();
+    CHECK(clock_now() - start < 3 * HANDSHAKE + 8);
+    for (int k = 0; k < CROWD; k++) {
+        unsigned char got[256];
+        CHECK(rest_of(fd[k], got, sizeof got) > 0); /* the refusal */
+        socket_close(fd[k]);
+    }
+    CHECK_EQ_INT(visit(), fds);
+}
+
 TEST(another_key_is_refused)
 {
     struct channel ch;
@@ -279,6 +300,25 @@ TEST(a_recorded_handshake_is_refused)
         channel_close(&ch);
     }
     CHECK(memcmp(first.server, second.server, AUTH_NONCE) != 0);
+    (void)visit();
+}
+
+/* Who asks for the status and who wants a session prove the key in different words: one cannot be made of the other. */
+TEST(a_code_for_another_purpose_is_refused)
+{
+    for (int k = 0; k < 2; k++) {
+        struct auth_nonces nonces = {{0}, {0}};
+        unsigned char code[AUTH_CODE];
+        struct channel ch;
+        channel_open(&ch, connected(), PROTOCOL_VERSION, "the server");
+        CHECK_EQ_INT(channel_send(&ch, k == 0 ? MESSAGE_STATUS : MESSAGE_KNOCK, 0, nonces.client, AUTH_NONCE, soon(), NULL),
+                     DM2_OK);
+        CHECK(take(&ch, MESSAGE_CHALLENGE, nonces.server, AUTH_NONCE));
+        auth_code(&KEY, k == 0 ? AUTH_CLIENT : AUTH_ASKER, PROTOCOL_VERSION, &nonces, code);
+        CHECK_EQ_INT(channel_send(&ch, MESSAGE_PROOF, 0, code, AUTH_CODE, soon(), NULL), DM2_OK);
+        CHECK(!take(&ch, MESSAGE_GRANT, code, AUTH_CODE));
+        channel_close(&ch);
+    }
     (void)visit();
 }
 
@@ -360,6 +400,8 @@ static void run_started(void)
     start_server();
     test_scanners_and_noise();
     test_slow_strangers_are_cut_off();
+    test_a_silent_crowd_is_sent_away();
+    test_a_code_for_another_purpose_is_refused();
     test_another_key_is_refused();
     test_a_recorded_handshake_is_refused();
     test_a_reflected_code_is_refused();
@@ -371,6 +413,8 @@ static void run_started(void)
 
 TEST(a_server_among_strangers)
 {
+    const char *more = getenv("DM2_STRANGERS");
+    many = more != NULL ? strtoul(more, NULL, 10) : many;
     run_started();
 }
 

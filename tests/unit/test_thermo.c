@@ -280,6 +280,7 @@ TEST(the_energy_account_of_a_transition_closes)
         engine_state_free(&s);
         engine_stop(&g);
     }
+    CHECK(drift[1] < 0.6 * drift[0]);
 }
 
 /* --- reaction
@@ -316,6 +317,37 @@ TEST(rates_follow_arrhenius)
     CHECK_NEAR_REL(cold[0] / cold[1], (0.012 * 0.7) / (0.004 * 0.4), 1e-13);
     reaction_rate(&some_table, a, b, 0.0, 0.023, 1.0, cold);
     CHECK_NEAR(cold[0] + cold[1], 0.0, 0.0);
+}
+
+/* The same through the engine: what one step of a fixed mixture frees at two temperatures. */
+static double freed(const char *start)
+{
+    const char *defines[] = {start, NULL};
+    struct engine g;
+    engine_start(&g,
+                 METALS
+                 "let start = 600\n"
+                 "domain { size = 0.8, 0.8; r_c = 0.06; delta_r = 0.01 }\ntime { dt = 0.01; steps = 10 }\n"
+                 "reaction r { reactants = Ni Al; product = NiAl; kind = non-stoichiometric; k0 = 10; ea = 60 "
+                 "kJ/mol\n             heat = 1.54 kJ/g }\n"
+                 "body a { shape = rectangle 0, 0, 0.8, 0.8; spacing = 0.04; radius = 0.0201; mix = Ni 0.5, "
+                 "Al 0.5\n         motion = fixed; temperature = start }\n",
+                 defines, 2);
+    struct measures m = measured_step(&g);
+    double before = energy_of(&g, &m.chemical);
+    m = measured_step(&g);
+    double after = energy_of(&g, &m.chemical);
+    engine_stop(&g);
+    return before - after;
+}
+
+TEST(a_mixture_reacts_as_arrhenius_says)
+{
+    double cold = freed("start=600"), hot = freed("start=900"), r = 8.31446261815324;
+    printf("freed in a step: %.6g at 600 K, %.6g at 900 K, ratio %.6g, Arrhenius %.6g\n", cold, hot, hot / cold,
+           exp(60e3 / r * (1.0 / 600.0 - 1.0 / 900.0)));
+    CHECK(cold > 0.0);
+    CHECK_NEAR_REL(hot / cold, exp(60e3 / r * (1.0 / 600.0 - 1.0 / 900.0)), 1e-6);
 }
 
 TEST(no_step_takes_more_than_its_part)
@@ -399,8 +431,18 @@ TEST(a_mixture_conserves_and_stays_positive)
         struct measures m = measured_step(&g);
         double total = engine_total(&g, &m), scale = energy_of(&g, &m.kinetic) + energy_of(&g, &m.thermal),
                least = 1.0;
+        struct engine_state begin = engine_collect(&g, false);
         engine_run(&g, 300);
+        struct engine_state now = engine_collect(&g, false); /* that the next evaluation measures */
+        double species = 0.0;
+        for (size_t i = 0; i < now.n; i++) {
+            species += now.e[i].mass * (now.e[i].share[0] + now.e[i].share[1]);
+            CHECK_SAME_BITS(now.e[i].mass, begin.e[i].mass);
+        }
         m = measured_step(&g);
+        CHECK_NEAR_REL(energy_of(&g, &m.chemical), 1.54e-2 * species, 1e-13);
+        engine_state_free(&begin);
+        engine_state_free(&now);
         struct engine_state s = engine_collect(&g, true);
         size_t product = 0, liquid = 0;
         double left = 0.0;
@@ -578,7 +620,8 @@ TEST(bad_chemistry_is_refused)
 TEST_MAIN(CASE(a_rod_follows_the_series_solution), CASE(two_bodies_reach_the_mixing_temperature),
           CASE(a_step_beyond_the_thermal_limit_is_refused), CASE(transitions_are_exactly_at_their_lines),
           CASE(melting_takes_the_latent_heat), CASE(the_energy_account_of_a_transition_closes),
-          CASE(rates_follow_arrhenius), CASE(no_step_takes_more_than_its_part),
+          CASE(rates_follow_arrhenius), CASE(a_mixture_reacts_as_arrhenius_says),
+          CASE(no_step_takes_more_than_its_part),
           CASE(complete_conversion_gives_the_adiabatic_temperature),
           CASE(a_mixture_conserves_and_stays_positive),
           CASE(a_stoichiometric_mixture_takes_both_in_proportion),

@@ -19,6 +19,8 @@
 
 struct run_options {
     const char *program;
+    int argc; /* the command line, from which another one is made that continues the run */
+    char **argv;
     struct option_list operands; /* the deck */
     const char *deck;
     const char *directory; /* -o; NULL: from the deck's name */
@@ -36,7 +38,8 @@ enum { RUN_OPTIONS = 13 };
 
 /* Defaults, and the table of the options above: RUN_OPTIONS entries. A program puts its own before or after
  * them. */
-void run_options_start(struct run_options *o, const char *program, struct option table[RUN_OPTIONS]);
+void run_options_start(struct run_options *o, const char *program, int argc, char **argv,
+                       struct option table[RUN_OPTIONS]);
 
 /* After options_parse: one deck, a --progress that is known. With --help or --version nothing is checked. */
 enum dm2_status run_options_finish(struct run_options *o, struct dm2_error *err);
@@ -68,8 +71,8 @@ enum dm2_status run_open_results(const struct run_options *o, const struct run *
 /* Every how many steps the run writes a checkpoint; 0: never. */
 int64_t run_checkpoint_every(const struct run_options *o, const struct run *run);
 
-/* Says on standard error how a run that failed can be continued, where there is a checkpoint. Before
- * results_abort; `results` may be NULL. */
+/* Says on standard error how a run that failed can be continued, where there is a checkpoint: its own command line,
+ * quoted for a shell, with --restart in place of what it began from. Before results_abort; `results` may be NULL. */
 void run_print_restart(const struct run_options *o, const struct results *results);
 
 /* What --check prints: elements, cells, time step, each subdomain with its elements and interface, memory. It

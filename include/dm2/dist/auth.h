@@ -29,7 +29,11 @@ struct auth_nonces {
     unsigned char client[AUTH_NONCE], server[AUTH_NONCE];
 };
 
-enum auth_role { AUTH_CLIENT, AUTH_SERVER };
+enum auth_role {
+    AUTH_CLIENT,
+    AUTH_SERVER,
+    AUTH_ASKER /* a client that only asks for the status: its code opens no session of the other kind, and the reverse */
+};
 
 /* Makes a key of random bytes and writes it to a new file that only its owner can read. DM2_USAGE where the file
  * exists already, DM2_IO. */

@@ -18,7 +18,7 @@
 #include "dm2/sim/deck.h"
 #include "dm2/sim/measures.h"
 
-enum { PROTOCOL_VERSION = 5 };
+enum { PROTOCOL_VERSION = 6 };
 
 enum { DEFAULT_PORT = 4702 }; /* of a server; the one place where it is written */
 
@@ -41,7 +41,10 @@ enum message_type {
     MESSAGE_KNOCK = 20,     /* c: nonce */
     MESSAGE_CHALLENGE = 21, /* s: nonce */
     MESSAGE_PROOF = 22,     /* c: code */
-    MESSAGE_GRANT = 23      /* s: code */
+    MESSAGE_GRANT = 23,     /* s: code */
+    /* In place of KNOCK and HELLO, also while the server is busy. */
+    MESSAGE_STATUS = 24, /* c: nonce */
+    MESSAGE_REPORT = 25  /* s: what it does */
 };
 
 /* Largest payloads, bytes. */
@@ -123,7 +126,7 @@ struct state_message {
 /* What a server counted in a session; seconds. */
 struct server_times {
     double forces, integrate, rebuild, pack, wait, unpack, output;
-    double cpu; /* of the processor, in all steps */
+    double cpu; /* of the processor: computing, packing and unpacking in all steps */
     uint64_t steps, rebuilds, migrants, mirrored; /* migrants sent away; mirrored: sum over steps */
     uint64_t messages_in, messages_out, bytes_in, bytes_out;
 };
@@ -138,6 +141,20 @@ struct profile_message {
 struct done_message {
     struct measures measures; /* of the last state */
     struct server_times times;
+};
+
+/* What a server says about itself. */
+struct report_message {
+    char version[VERSION_TEXT_MAX + 1]; /* of the program */
+    bool busy;
+    char peer[SOCKET_NAME]; /* with whom, */
+    double seconds;         /* for how long */
+    char deck[200];         /* empty: not known yet */
+    int rank, ranks;        /* 0 of 0: not known yet */
+    int64_t step;
+    uint32_t waiting; /* clients whose turn has not come */
+    double load;      /* machine_load(): -1 where it is not known */
+    int cores;
 };
 
 struct error_message {
@@ -171,6 +188,8 @@ void message_put_profile(struct bytes_writer *w, const struct profile_message *m
 void message_get_profile(struct bytes_reader *r, struct profile_message *m);
 void message_put_done(struct bytes_writer *w, const struct done_message *m);
 void message_get_done(struct bytes_reader *r, struct done_message *m);
+void message_put_report(struct bytes_writer *w, const struct report_message *m);
+void message_get_report(struct bytes_reader *r, struct report_message *m);
 void message_put_error(struct bytes_writer *w, const struct error_message *m);
 void message_get_error(struct bytes_reader *r, struct error_message *m);
 

@@ -60,6 +60,9 @@ enum dm2_status socket_connect(const char *host, int port, struct deadline until
 enum dm2_status socket_read_some(int fd, void *out, size_t n, size_t *got, int *closed,
                                  struct dm2_error *err);
 
+/* What is there now, up to n bytes, without taking it: the next read gets it again. As socket_read_some else. */
+enum dm2_status socket_peek(int fd, void *out, size_t n, size_t *got, int *closed, struct dm2_error *err);
+
 /* Writes what goes now: *put = 0 where the connection takes nothing. */
 enum dm2_status socket_write_some(int fd, const struct iovec *iov, size_t n_iov, size_t *put,
                                   struct dm2_error *err);

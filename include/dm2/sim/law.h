@@ -37,11 +37,12 @@ struct pair_law {
     enum scope_kind scope;
     bool near;         /* does anything beyond a potential of scope `all`: it needs contact status and memory */
     bool initial_link; /* lattice neighbours start linked */
-    bool wide;         /* linked pairs may be taken four at a time: Morse, bond worked out, c_n constant */
+    bool wide;         /* linked pairs may be taken four at a time: Morse, bond worked out */
     bool tangential;   /* any of kt, c_t, mu acts */
     double k;          /* stiffness at r0, Mbar cm */
     double shape;      /* Morse: alpha r0 */
     double eps12;      /* Lennard-Jones of plain eps, sigma: 12 eps; else 0 */
+    double strength;   /* there: eps12/rm2, Mbar cm */
     double rm2;        /* there: square of the distance of zero force, 2^(1/3) sigma^2, cm2 */
     double cutoff2;    /* scope all: square of the cutoff, cm2; 0 otherwise */
     double u_cut;      /* scope all, plain Lennard-Jones: potential at the cutoff, taken off so that it ends at 0 */
@@ -55,7 +56,8 @@ struct pair_law {
     double yield_i, yield_j;     /* Y of i's and of j's side at T0, Mbar; infinite: elastic */
     double tensile_i, tensile_j; /* Yt0 likewise */
     double link_form, link_break; /* in r0 */
-    struct bond bond;  /* where all elements of the two kinds have one radius each; else r0 = 0 */
+    double radius_i, radius_j; /* cm; where all elements of the two kinds have one radius each */
+    struct bond bond;  /* there; else r0 = 0 */
     double conduction; /* kappa_ij times the conductance factor, g cm/us3/K */
 };
 

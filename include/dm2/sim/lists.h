@@ -13,6 +13,8 @@
 #include "dm2/base/status.h"
 #include "dm2/sim/bins.h"
 #include "dm2/sim/cells.h"
+#include "dm2/sim/inner.h"
+#include "dm2/sim/links.h"
 #include "dm2/sim/particles.h"
 
 /* One half list: row i is entries start[i] .. start[i+1]-1. */
@@ -31,6 +33,8 @@ struct carried_pair {
 
 struct lists {
     struct half_list far, near;
+    struct inner_list inner; /* of the far list */
+    struct link_list links;  /* of the near list */
     /* memory of the near pairs, per entry */
     uint8_t *linked;
     double *stretch, *spring;

@@ -26,7 +26,7 @@ struct pass {
     struct pair_totals *totals;
     struct exact_sum potential, elastic;
     uint32_t bad_i, bad_j; /* a pair out of range, if any */
-    bool bad;
+    bool bad, no_memory;
 };
 
 static inline void note_bad(struct pass *pass, uint32_t i, uint32_t j)
@@ -48,7 +48,7 @@ static inline void add_virial(const struct pass *pass, uint32_t i, uint32_t j, d
 {
     double s = pass->m->fixed.virial;
     int64_t xx = to_fixed(dx * fx * s), yy = to_fixed(dy * fy * s), xy = to_fixed(0.5 * (dx * fy + dy * fx) * s);
-    int64_t *vi = pass->p->virial + 3 * i, *vj = pass->p->virial + 3 * (size_t)j;
+    int64_t *vi = pass->p->virial + VIRIAL_COUNT * (size_t)i, *vj = pass->p->virial + VIRIAL_COUNT * (size_t)j;
     vi[0] += xx;
     vi[1] += yy;
     vi[2] += xy;
@@ -57,11 +57,13 @@ static inline void add_virial(const struct pass *pass, uint32_t i, uint32_t j, d
     vj[2] += xy;
 }
 
-/* The potentials of scope `all` over the far list, into far_sum. */
-void far_evaluate(struct pass *pass, const struct half_list *list);
+/* The potentials of scope `all` over the far pairs, into far_sum. */
+void far_evaluate(struct pass *pass, struct lists *lists);
 
-/* The near pairs four at a time, where model->wide_near; `single` evaluates an entry of i's row by the plain path. */
-void near_wide(struct pass *pass, struct lists *lists,
-               void (*single)(struct pass *pass, struct lists *lists, uint32_t i, uint32_t k));
+/* Evaluates entry k of the near row of i by the plain path. */
+typedef void take_single(struct pass *pass, struct lists *lists, uint32_t i, uint32_t k);
+
+/* The quads of lists->links, which are sorted; `single` takes the links that need more than most. */
+void near_wide(struct pass *pass, struct lists *lists, take_single *single);
 
 #endif

@@ -3,9 +3,11 @@
 #ifndef DM2_SIM_PARTICLES_H
 #define DM2_SIM_PARTICLES_H
 
+#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 
+#include "dm2/base/real.h"
 #include "dm2/sim/element.h"
 #include "dm2/sim/tables.h"
 
@@ -22,12 +24,15 @@ enum pair_sum {
     SUM_COUNT
 };
 
-/* What a measuring evaluation adds up of the pairs that touch or are linked: the fixed-point sum of r (x) r, which tells
- * the area that an element has among its neighbours, and how many pairs, links and contacts, 16 bits each of one number. */
-enum around_sum { AROUND_XX, AROUND_YY, AROUND_XY, AROUND_TALLY, AROUND_COUNT };
+/* What a measuring evaluation adds up of the pairs of an element: the fixed-point sum of r (x) f, and, of those that touch or
+ * are linked, how many pairs, links and contacts, 16 bits each of one number: */
+enum virial_sum { VIRIAL_XX, VIRIAL_YY, VIRIAL_XY, VIRIAL_TALLY, VIRIAL_COUNT };
 #define TALLY_PAIR INT64_C(1)
 #define TALLY_LINK (INT64_C(1) << 16)
 #define TALLY_CONTACT (INT64_C(1) << 32)
+
+/* and the fixed-point sum of their r (x) r, which tells the area that an element has among its neighbours. */
+enum around_sum { AROUND_XX, AROUND_YY, AROUND_XY, AROUND_COUNT };
 
 /* Not every deck needs every array: particles_start decides by the model; the others stay NULL, and the values that
  * they would hold are 0 (temperature: that at which the material has no heat; soft: 1). */
@@ -55,12 +60,9 @@ struct particles {
     uint8_t *flags, *probes;
     int64_t *far_sum;  /* [n][2] fixed-point force of the potentials of scope all; where there are some, or no pairs */
     int64_t *pair_sum; /* [n][SUM_COUNT] fixed-point sums of everything else; near pairs */
-    int64_t *virial;   /* [n][3] fixed-point sum of r (x) f: xx, yy, xy; of the last measuring step */
+    int64_t *virial;   /* [n][VIRIAL_COUNT] of the last measuring step */
     int64_t *around;   /* [n][AROUND_COUNT] likewise; near pairs */
 };
-
-/* Where slot n, which belongs to nobody, lies while lists are padded with it, cm; its square is finite. */
-#define PARTICLES_FAR 1e150
 
 /* An empty set for elements of this model. */
 void particles_start(struct particles *p, const struct model *m);
@@ -94,18 +96,35 @@ static inline double particles_temperature(const struct particles *p, const stru
 /* How many links and contacts slot i had at the last measuring step. */
 static inline uint16_t particles_links(const struct particles *p, size_t i)
 {
-    return p->around == NULL ? 0 : (uint16_t)(p->around[AROUND_COUNT * i + AROUND_TALLY] / TALLY_LINK);
+    return (uint16_t)(p->virial[VIRIAL_COUNT * i + VIRIAL_TALLY] / TALLY_LINK);
 }
 
 static inline uint16_t particles_contacts(const struct particles *p, size_t i)
 {
-    return p->around == NULL ? 0 : (uint16_t)(p->around[AROUND_COUNT * i + AROUND_TALLY] / TALLY_CONTACT);
+    return (uint16_t)(p->virial[VIRIAL_COUNT * i + VIRIAL_TALLY] / TALLY_CONTACT);
 }
 
-/* Temperature and softening factor of slot i from its heat, where there are such. */
-void particles_warm(struct particles *p, const struct model *m, size_t i);
-
 /* Softening factor 1 - ((T - T0)/(Tm - T0))^n within [0, 1] (docs/physics.md, section 4). */
-double particles_softening(const struct kind *kind, double temperature);
+static inline double particles_softening(const struct kind *kind, double temperature)
+{
+    if (!(temperature > kind->t0) || !isfinite(kind->tm))
+        return 1.0;
+    if (!(temperature < kind->tm))
+        return 0.0;
+    double x = (temperature - kind->t0) * kind->over_range;
+    return x < 1.0 ? 1.0 - (kind->softening == 1.0 ? x : real_pow(x, kind->softening)) : 0.0;
+}
+
+/* Temperature and softening factor of slot i from its heat, where there are such; over_mass: 1/m of the slot, 1/g. */
+static inline void particles_warm(struct particles *p, const struct model *m, size_t i, double over_mass)
+{
+    const struct kind *kind = &m->kinds[p->kind[i]];
+    if (p->temperature == NULL)
+        return;
+    double over_cp = m->reaction.any ? 1.0 / particles_heat_capacity(p, m, i) : kind->over_cp;
+    double temperature = kind->t0 + p->heat[i] * over_mass * over_cp;
+    p->temperature[i] = temperature;
+    p->soft[i] = particles_softening(kind, temperature);
+}
 
 #endif

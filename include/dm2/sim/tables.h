@@ -22,7 +22,8 @@ struct kind {
     double energy;                       /* per mass, above the first phase at t0, cm2/us2 (docs/physics.md, section 9) */
     double hysteresis;                   /* Mbar or K, by phase->transition */
     double t0, tm, softening; /* tm infinite: never softens */
-    double cp;                /* infinite: the temperature stays at t0 */
+    double over_range;        /* 1/(tm - t0), 1/K; 0 where tm is infinite */
+    double cp, over_cp;       /* infinite and 0: the temperature stays at t0 */
 };
 
 /* Fixed-point scales: a double times the scale, rounded, is what the 64-bit sums add. Powers of two. */
@@ -66,6 +67,8 @@ struct model {
     bool wide_far;         /* and that law is a plain Lennard-Jones potential: rows of the far list are padded to fours */
     bool wide_near;        /* the commonest laws allow near pairs to be taken four at a time */
     double far_cutoff;     /* largest cutoff of scope all, cm; 0 without */
+    double far_place;      /* x and y of the slot that fills lists up: beyond all reach, and near enough that forces there
+                              are no denormal numbers, which are slow, cm */
     double radius_max;     /* largest radius of an element, cm */
     double dt_stable;
     const char *dt_mode;

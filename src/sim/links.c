@@ -1,0 +1,121 @@
+/* Sorting near pairs by their law: count, lay out, fill. Rows keep their order within a law, so neighbours in the list are
+ * neighbours in space. */
+#include "dm2/sim/links.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "dm2/base/mem.h"
+#include "dm2/sim/lists.h"
+#include "dm2/sim/particles.h"
+#include "dm2/sim/tables.h"
+
+/* The law of entry k of row i where it goes into a quad, else NULL. */
+static const struct pair_law *quad_law(const struct lists *l, const struct model *m, const struct particles *p, uint32_t i,
+                                       uint32_t k)
+{
+    uint32_t j = l->near.j[k];
+    if (!l->linked[k])
+        return NULL;
+    const struct pair_law *law =
+        model_law(m, p->kind[i], p->kind[j], relation_of(p->body[i], p->grain[i], p->body[j], p->grain[j]));
+    return law->wide && p->radius[i] == law->radius_i && p->radius[j] == law->radius_j ? law : NULL;
+}
+
+static int grow(void *block, size_t *cap, size_t need, size_t size)
+{
+    void *p;
+    memcpy(&p, block, sizeof p);
+    int status = mem_grow(&p, cap, 0, need, size);
+    memcpy(block, &p, sizeof p);
+    return status;
+}
+
+/* Room for what the counted pairs need: `counted` holds for each law the number of its links. */
+static int lay_out(struct link_list *links, size_t n_laws, size_t pairs)
+{
+    size_t quads = 0;
+    for (size_t a = 0; a < n_laws; a++) {
+        struct link_group *g = &links->group[a];
+        g->n /= SIMD_LANES;
+        g->first = quads;
+        quads += g->n;
+    }
+    links->n_groups = n_laws;
+    return grow(&links->quad, &links->quad_cap, quads, sizeof *links->quad) != 0 ||
+                   grow(&links->single, &links->single_cap, pairs - SIMD_LANES * quads, sizeof *links->single) != 0
+               ? -1
+               : 0;
+}
+
+static int sort_pairs(struct lists *l, const struct model *m, const struct particles *p)
+{
+    struct link_list *links = &l->links;
+    size_t n_laws = m->n_kinds * m->n_kinds * RELATION_COUNT;
+    if (grow(&links->group, &links->group_cap, n_laws, sizeof *links->group) != 0)
+        return -1;
+    for (size_t a = 0; a < n_laws; a++)
+        links->group[a] = (struct link_group){.law = &m->laws[a]};
+    for (uint32_t i = 0; i < p->n_own; i++) {
+        for (uint32_t k = l->near.start[i]; k < l->near.start[i + 1]; k++) {
+            const struct pair_law *law = quad_law(l, m, p, i, k);
+            if (law != NULL)
+                links->group[law - m->laws].n++;
+        }
+    }
+    size_t *placed = mem_zalloc(n_laws, sizeof *placed);
+    if (placed == NULL || lay_out(links, n_laws, l->near.start[p->n_own]) != 0) {
+        free(placed);
+        return -1;
+    }
+    links->n_single = 0;
+    for (uint32_t i = 0; i < p->n_own; i++) {
+        for (uint32_t k = l->near.start[i]; k < l->near.start[i + 1]; k++) {
+            const struct pair_law *law = quad_law(l, m, p, i, k);
+            size_t a = law != NULL ? (size_t)(law - m->laws) : 0;
+            if (law == NULL || placed[a] == SIMD_LANES * links->group[a].n) {
+                links->single[links->n_single++] = (struct single_pair){i, k};
+                continue;
+            }
+            struct link_quad *q = &links->quad[links->group[a].first + placed[a] / SIMD_LANES];
+            size_t lane = placed[a]++ % SIMD_LANES;
+            q->i[lane] = i;
+            q->j[lane] = l->near.j[k];
+            q->k[lane] = k;
+        }
+    }
+    free(placed);
+    return 0;
+}
+
+int link_list_prepare(struct lists *lists, const struct model *m, const struct particles *p)
+{
+    struct link_list *links = &lists->links;
+    if (links->valid && (!m->has_kinds || memcmp(links->kind, p->kind, p->n * sizeof *p->kind) == 0))
+        return 0;
+    links->valid = false;
+    if (sort_pairs(lists, m, p) != 0)
+        return -1;
+    if (m->has_kinds) {
+        if (grow(&links->kind, &links->kind_cap, p->n, sizeof *links->kind) != 0)
+            return -1;
+        memcpy(links->kind, p->kind, p->n * sizeof *p->kind);
+    }
+    links->valid = true;
+    return 0;
+}
+
+void link_list_free(struct link_list *links)
+{
+    free(links->quad);
+    free(links->group);
+    free(links->single);
+    free(links->kind);
+    *links = (struct link_list){0};
+}
+
+size_t link_list_bytes(const struct link_list *links)
+{
+    return links->quad_cap * sizeof *links->quad + links->group_cap * sizeof *links->group +
+           links->single_cap * sizeof *links->single + links->kind_cap * sizeof *links->kind;
+}

@@ -1,0 +1,88 @@
+# dm2-client --status: what each server does, also while it is busy; with a key only for those who have it.
+. "$DM2_SRC/tests/lib.sh"
+
+client=$DM2_BIN/dm2-client
+tcp=$DM2_BUILD/tools/tcp
+deck=$DM2_SRC/tests/decks/run/scatter.dm2
+load='dm2 [0-9.]*; load [a-z0-9.]* on [0-9]* cores*$'
+
+# line N REGEX: the Nth line of what the status says.
+line()
+{
+    sed -n "$1p" out | grep -q "$2" || fail "line $1 is not '$2': $(cat out)"
+}
+
+# A free one, and one that is not there any more.
+start_server
+gone=$SERVER_ADDR
+stop_server "$SERVER_PID"
+start_server -v
+one=$SERVER_ADDR one_port=$SERVER_PORT one_log=$SERVER_LOG
+printf '%s\n%s spare\n' "$one" "$gone" >hosts
+expect_status 3 "$client" --status --hosts hosts
+line 1 "^$one: free; $load"
+line 2 "^$gone (spare): not usable: Connection refused"
+expect_text err '1 of 2 servers cannot be used'
+expect_status 0 "$client" --status --server "$one"
+expect_text "$one_log" ' asked for the status'
+
+# One that somebody holds, and for whom another waits.
+mkfifo hold held notes
+"$tcp" hold "$one_port" <hold >held &
+holder=$!
+exec 3>hold
+IFS= read -r text <held
+expect_status 0 "$client" --status --server "$one"
+line 1 "^$one: busy with 127.0.0.1:[0-9]* since 20[0-9-]*T[0-9:]*Z; $load"
+"$client" "$deck" --server "$one" --steps 3 -o run >log 2>notes 3>&- &
+waiting=$!
+IFS= read -r text <notes
+expect_status 0 "$client" --status --server "$one"
+line 1 "^$one: busy with 127.0.0.1:[0-9]* since [^;]*; 1 waiting; $load"
+exec 3>&-
+wait "$holder"
+wait "$waiting" || fail 'the waiting client failed'
+
+# One in the middle of a run: nobody reads what its client prints, which fills the pipe.
+mkfifo hashes
+"$client" "$deck" --server "$one" -q --steps 100000 --hash-every 1 -o long >hashes 2>err-long &
+running=$!
+exec 4<hashes
+IFS= read -r text <&4
+IFS= read -r text <&4
+expect_status 0 "$client" --status --server "$one"
+line 1 "^$one: busy with .*: rank 0 of 1 of scatter.dm2, step [1-9][0-9]*; $load"
+kill -TERM "$running"
+exec 4<&-
+wait "$running"
+
+# Who says nothing does not hold a server, nor does who says half a word.
+"$tcp" silent "$one_port" <hold >held &
+silent=$!
+exec 3>hold
+IFS= read -r text <held
+expect_status 0 "$client" "$deck" -q --server "$one" --steps 3 -o run --overwrite
+exec 3>&-
+wait "$silent"
+
+# With a key, for friends only.
+"$DM2_BIN/dm2-server" --new-key key
+"$DM2_BIN/dm2-server" --new-key other
+start_server --key key
+expect_status 0 "$client" --status --server "$SERVER_ADDR" --key key
+line 1 "^$SERVER_ADDR: free; $load"
+expect_status 3 "$client" --status --server "$SERVER_ADDR"
+line 1 "^$SERVER_ADDR: not usable: it wants a key (--key FILE)\$"
+expect_status 3 "$client" --status --server "$SERVER_ADDR" --key other
+line 1 "^$SERVER_ADDR: not usable: it has another key, or does not admit this machine\$"
+expect_text "$SERVER_LOG" 'who asks for the status has another key'
+expect_status 3 "$client" --status --server "$one" --key key
+line 1 "^$one: not usable: it has no key"
+start_server --allow 10.0.0.0/8
+expect_status 3 "$client" --status --server "$SERVER_ADDR"
+line 1 'does not admit this machine'
+
+expect_status 2 "$client" --status
+expect_text err '--hosts FILE or --server HOST'
+expect_status 2 "$client" "$deck" --status --hosts hosts
+expect_text err 'runs no deck'
