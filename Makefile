@@ -57,7 +57,7 @@ FUZZ_SRC := $(wildcard tests/fuzz/fuzz_*.c)
 FUZZED   := $(FUZZ_SRC:tests/fuzz/%.c=$(BUILD)/fuzz/replay_%)
 FAILING  := $(patsubst src/app/%.c,$(BUILD)/failing/%,$(filter src/app/dm2-%.c,$(APP_SRC)))
 
-.PHONY: fuzz all tests test figures bench demo install uninstall clean help FORCE
+.PHONY: soak fuzz all tests test figures bench demo install uninstall clean help FORCE
 .SUFFIXES:
 .SECONDARY:
 
@@ -68,6 +68,11 @@ tests: $(TESTS) $(TOOLS) $(FUZZED) $(FAILING) $(BUILD)/failing/losing-server
 test: all tests
 	$(Q)CC='$(CC)' DM2_BIN=$(abspath $(BIN)) DM2_BUILD=$(abspath $(BUILD)) FLAVOUR=$(FLAVOUR) \
 		sh tests/run.sh $(TESTFLAGS)
+
+# Runs through faults, 500 unless SOAKFLAGS says otherwise; SOAKFLAGS="-s SEED -n FAULTS".
+soak: all tests
+	$(Q)DM2_BIN=$(abspath $(BIN)) DM2_BUILD=$(abspath $(BUILD)) DM2_SRC=$(CURDIR) FLAVOUR=$(FLAVOUR) \
+		sh tests/soak.sh $(SOAKFLAGS)
 
 figures: all
 	$(Q)DM2_BIN=$(BIN) sh scripts/figures.sh $(FIGURES)
@@ -146,6 +151,7 @@ clean:
 help:
 	@echo 'make               the programs, into bin/'
 	@echo 'make test          every test; TESTFLAGS="-L unit" or "-R regex" picks some'
+	@echo 'make soak          runs through 500 faults; SOAKFLAGS="-s 1 -n 500": first seed, faults'
 	@echo 'make fuzz          the fuzz targets of tests/fuzz as libFuzzer programs (clang)'
 	@echo 'make demo          the plate impact on 4 local servers, with its picture'
 	@echo 'make bench         speed per core, beside LAMMPS where it is installed; BENCHFLAGS="3 lj"'

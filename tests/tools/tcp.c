@@ -4,11 +4,13 @@
  *     tcp hold PORT     connects, begins to say HELLO, prints "connected", and does nothing more until standard input
  *                       ends: a server waits for the rest
  *     tcp silent PORT   the same without a word
+ *     tcp mirror        listens on a free port, prints it, takes one connection, sends back what comes
  *     tcp answer        listens on a free port, prints it, takes one connection, sends standard input
  *                       at once, and waits for the other end to close
  *
  * Everything ends after 30 seconds. Exit status 0 unless there was no connection. */
 #include <poll.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -43,7 +45,21 @@ static void print_rest(int fd)
         (void)fwrite(buffer, 1, got, stdout);
 }
 
-static int answer(void)
+/* Sends back what comes until the other end closes. */
+static void reflect(int fd)
+{
+    char buffer[4096];
+    size_t got = 0;
+    int closed = 0;
+    while (!closed && socket_wait(fd, POLLIN, until, NULL) == DM2_OK &&
+           socket_read_some(fd, buffer, sizeof buffer, &got, &closed, NULL) == DM2_OK) {
+        struct iovec part = {buffer, got};
+        if (socket_write_all(fd, &part, 1, until, NULL) != DM2_OK)
+            return;
+    }
+}
+
+static int answer(bool mirror)
 {
     int listener = -1, fd = -1;
     char bound[SOCKET_NAME], peer[SOCKET_NAME];
@@ -53,6 +69,10 @@ static int answer(void)
     (void)fflush(stdout);
     if (socket_accept(listener, until, &fd, peer, NULL) != DM2_OK || fd < 0)
         return 1;
+    if (mirror) {
+        reflect(fd);
+        return 0;
+    }
     send_input(fd);
     print_rest(fd);
     return 0;
@@ -73,8 +93,8 @@ int main(int argc, char **argv)
     int fd = -1;
     until = deadline_in(30, -1);
     socket_ignore_sigpipe();
-    if (argc == 2 && strcmp(argv[1], "answer") == 0)
-        return answer();
+    if (argc == 2 && (strcmp(argv[1], "answer") == 0 || strcmp(argv[1], "mirror") == 0))
+        return answer(strcmp(argv[1], "mirror") == 0);
     if (argc != 3)
         return 2;
     if (socket_connect("127.0.0.1", (int)strtol(argv[2], NULL, 10), until, &fd, &err) != DM2_OK) {
