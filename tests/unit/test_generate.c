@@ -41,7 +41,7 @@ static struct made make(const char *text, const char *const *defines, struct eng
     const struct grid *grid = model_grid(g->model);
     double n = (double)m.n, cells = (double)grid->cx * grid->cy;
     CHECK_REPORT(n < 1.02 * about.elements && n > about.elements / 4, "%g elements, about %g", n, about.elements);
-    CHECK_REPORT(n < about.places && about.places < 16 * about.elements, "%g of %g places", n, about.places);
+    CHECK_REPORT(n < 1.02 * about.places && about.places < 16 * about.elements, "%g of %g places", n, about.places);
     CHECK_REPORT(cells <= about.cells && about.cells < 2 * cells + 8, "%g cells, about %g", cells, about.cells);
     return m;
 }
