@@ -16,10 +16,12 @@
 #include <string.h>
 
 #include "dm2/base/mem.h"
+#include "dm2/base/real.h"
 #include "dm2/sim/generate.h"
+#include "dm2/sim/shape.h"
 #include "dm2/sim/tables.h"
 
-static const double root3 = 0x1.bb67ae8584caap0;
+static const double root3 = 0x1.bb67ae8584caap0, pi = 0x1.921fb54442d18p1;
 
 double model_element_mass(const struct material_config *m, double radius)
 {
@@ -445,6 +447,31 @@ static void build_reaction(struct model *m)
     /* Equal discs have six neighbours, eight when crushed; a large one may touch up to the 64 that sums allow. */
     m->reaction.limit = m->radius_max <= 1.5 * least ? 1.0 / 8.0 : 1.0 / 64.0;
     m->has_heat = true;
+}
+
+/* Sites of a crystal are looked for in a box along its rows, those of a grain in one that is hardly more than four times the
+ * grain. */
+static double places_of(const struct body_config *b)
+{
+    double box[4];
+    shape_box(&b->shape, box);
+    double width = box[2] - box[0], height = box[3] - box[1], site = b->spacing * b->row_spacing;
+    if (b->structure != STRUCTURE_CRYSTAL)
+        return width * height * (4.0 / site + 4.0 / (pi * (b->grain_size * b->grain_size)));
+    double cosine = fabs(real_cos(b->angle)), sine = fabs(real_sin(b->angle));
+    return (width * cosine + height * sine) * (width * sine + height * cosine) / site;
+}
+
+struct model_estimate model_estimate(const struct config *config)
+{
+    double reach = config->r_c + config->delta_r;
+    struct model_estimate e = {.cells = (config->size[0] / reach + 1.0) * (config->size[1] / reach + 1.0)};
+    for (size_t i = 0; i < config->n_bodies; i++) {
+        const struct body_config *b = &config->bodies[i];
+        e.elements += shape_area(&b->shape) / (b->spacing * b->row_spacing);
+        e.places += places_of(b);
+    }
+    return e;
 }
 
 enum dm2_status model_build(const struct config *config, struct model **out, struct dm2_error *err)
