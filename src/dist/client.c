@@ -21,6 +21,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "dm2/base/clock.h"
 #include "dm2/base/fingerprint.h"
@@ -493,9 +494,12 @@ static enum dm2_status take_echo(struct client *c, int rank, struct bytes_reader
     return peer_failed(c, rank, DM2_PROTOCOL, "it did not send the same bytes back", err);
 }
 
-/* One message of n bytes to every server, and back from every one. */
+/* One message of n bytes to every server, and back from every one. A pause comes first: in a time step, too, the messages
+ * find processes that have gone to sleep while others computed, and waking them up is a good part of b_N. */
 static enum dm2_status echo_once(struct client *c, uint32_t n, double *seconds, struct dm2_error *err)
 {
+    const struct timespec pause = {.tv_nsec = 200000};
+    (void)nanosleep(&pause, NULL);
     bytes_clear(&c->out);
     for (uint32_t k = 0; k < n; k++)
         bytes_put_u8(&c->out, (uint8_t)(k * 31));

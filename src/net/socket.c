@@ -189,9 +189,9 @@ enum dm2_status socket_accept(int listener, struct deadline until, int *fd, char
     socklen_t length = sizeof name;
     int s = accept(listener, (struct sockaddr *)&name, &length);
     if (s < 0) {
-        if (errno == EBADF || errno == EINVAL || errno == ENOTSOCK || errno == EMFILE || errno == ENFILE)
+        if (errno == EBADF || errno == EINVAL || errno == ENOTSOCK)
             return dm2_fail(err, DM2_NET, "cannot take a connection: %s", strerror(errno));
-        return DM2_OK; /* that one is gone already */
+        return DM2_OK; /* that one is gone already, or there is no descriptor or memory for it now */
     }
     if (set_up(s) != 0) {
         socket_close(s);

@@ -37,6 +37,12 @@ static struct made make(const char *text, const char *const *defines, struct eng
     engine_load(g, text, defines, 1);
     CHECK_EQ_INT(generate_elements(g->model, keep, &m, &g->err), DM2_OK);
     CHECK_EQ_INT(m.n, model_elements(g->model));
+    const struct model_estimate about = model_estimate(model_config(g->model));
+    const struct grid *grid = model_grid(g->model);
+    double n = (double)m.n, cells = (double)grid->cx * grid->cy;
+    CHECK_REPORT(n < 1.02 * about.elements && n > about.elements / 4, "%g elements, about %g", n, about.elements);
+    CHECK_REPORT(n < 1.02 * about.places && about.places < 16 * about.elements, "%g of %g places", n, about.places);
+    CHECK_REPORT(cells <= about.cells && about.cells < 2 * cells + 8, "%g cells, about %g", cells, about.cells);
     return m;
 }
 
