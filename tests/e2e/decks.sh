@@ -118,6 +118,7 @@ book phase-front 0.003
 within "$(largest temperature_max)" 310 600 "the hottest element"
 
 # The same run with its states as text: the dense phase grows behind the shock, and in the end much of it is alpha again.
+cp -R "$DM2_SRC/input/materials" . || fail "no materials"
 sed 's/^    snapshot_every = 100/&; format = xyz/' "$DM2_SRC/input/phase-front.dm2" >front.dm2
 expect_status 0 "$DM2_BIN/dm2-seq" front.dm2 -q -o run --overwrite
 dense()
