@@ -1,18 +1,20 @@
 #!/bin/sh
 # Speed per core, as ratios in one run on one machine: dm2-seq and, where it is installed, LAMMPS on the same work, in
-# turn, several times. Prints medians with their spread, writes build/bench.csv.
-#   scripts/bench.sh [REPEATS] [WORK...]      WORK: lj, full, scaling; default all
+# turn, several times. Prints medians with their spread, writes build/bench/bench.csv and a chart of the medians per work.
+#   scripts/bench.sh [REPEATS] [WORK...]      WORK: lj, full, two-lj, two-full (two processes against one); default all
 set -eu
 here=$(cd "$(dirname "$0")/.." && pwd)
 bin=${DM2_BIN:-$here/bin}
 out=${DM2_BENCH_DIR:-$here/build/bench}
 repeats=${1:-5}
 [ $# -gt 0 ] && shift
-work=${*:-lj full scaling}
+work=${*:-lj full two-lj two-full}
 mkdir -p "$out"
 csv=$out/bench.csv
 echo 'work,elements,program,repeat,element-steps/s' >"$csv"
 lmp=$(command -v lmp || true)
+mpirun=$(command -v mpirun || true)
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 [ -n "$lmp" ] || echo "LAMMPS (lmp) is not installed: dm2 alone is measured (Debian's package is 'lammps')"
 
 dm2_rate() # PROGRAM AND OPTIONS
@@ -25,10 +27,11 @@ lammps_rate() # INPUT NX NY STEPS OPTIONS
 {
     input=$1 nx=$2 ny=$3 steps=$4
     shift 4
-    (cd "$out" && "$lmp" "$@" -in "$here/scripts/peers/$input" -var nx "$nx" -var ny "$ny" -var steps "$steps" -log none) |
+    (cd "$out" && $launch "$lmp" "$@" -in "$here/scripts/peers/$input" -var nx "$nx" -var ny "$ny" -var steps "$steps" -log none) |
         awk '/^Loop time/ { printf "%.0f\n", $(NF - 1) * $(NF - 4) / $4 }'
 }
 
+launch= # what starts LAMMPS
 note() # WORK ELEMENTS PROGRAM REPEAT RATE
 {
     echo "$1,$2,$3,$4,$5" >>"$csv"
@@ -59,37 +62,53 @@ each_size() # WORK
     done
 }
 
-# One subdomain against two servers, on the same deck, in turn.
-scaling()
+# One process against two, on the same deck, in turn; LAMMPS with one and with two MPI ranks.
+two() # WORK
 {
-    for size in '1.003 1700 2000' '2.6 11600 400' '6.5 73000 100' '13 290000 30'; do
-        set -- $size
+    echo "$sizes" | while read -r nx ny n scale steps; do
+        steps=$((steps + steps / 2))
+        case $1 in
+        two-lj) deck=lj-lattice size="n=$n" input=lammps-lj.in ;;
+        *) deck=plate-impact size="scale=$scale" input=lammps-full.in ;;
+        esac
         k=1
         while [ "$k" -le "$repeats" ]; do
             for program in "dm2-seq" "dm2-client -n 2"; do
                 # shellcheck disable=SC2086
-                note scaling "$2" "$program" "$k" \
-                    "$(dm2_rate $bin/$program "$here/input/plate-impact.dm2" -D scale="$1" -D every=100 --steps "$3")"
+                note "$1" "$n" "$program" "$k" \
+                    "$(dm2_rate $bin/$program "$here/input/$deck.dm2" -D "$size" $(every "$deck") --steps "$steps")"
             done
+            if [ -n "$lmp" ] && [ -n "$mpirun" ]; then
+                note "$1" "$n" lammps "$k" "$(lammps_rate "$input" "$nx" "$ny" "$steps")"
+                launch="$mpirun -np 2"
+                note "$1" "$n" lammps-2 "$k" "$(lammps_rate "$input" "$nx" "$ny" "$steps")"
+                launch=
+            fi
             k=$((k + 1))
         done
     done
 }
 
+# The plate impact has a row of its history at every step, unless asked not to.
+every() # DECK
+{
+    [ "$1" = lj-lattice ] || echo "-D every=100"
+}
+
 for w in $work; do
     case $w in
     lj | full) each_size "$w" ;;
-    scaling) scaling ;;
-    *) echo "bench: '$w' is not a work: lj, full or scaling is expected" >&2; exit 2 ;;
+    two-lj | two-full) two "$w" ;;
+    *) echo "bench: '$w' is not a work: lj, full, two-lj or two-full is expected" >&2; exit 2 ;;
     esac
 done
 
 # Medians with spread, and each program's ratio to the first of its size.
-sort -t, -k1,1 -k2,2n -k3,3 -k5,5n "$csv" | awk -F, '
+sort -t, -k1,1 -k2,2n -k3,3 -k5,5n "$csv" | awk -F, -v out="$out" '
     $1 == "work" { next }
     { key = $1 "," $2 "," $3; if (key != last) { order[++m] = key; last = key } value[key, ++count[key]] = $5 }
     END {
-        printf "%-9s %9s  %-16s %12s  %-25s %s\n", "work", "elements", "program", "median M/s", "least - most", "dm2 is times faster"
+        printf "%-9s %9s  %-16s %12s  %-25s %s\n", "work", "elements", "program", "median M/s", "least - most", "dm2, or two, times faster"
         for (i = 1; i <= m; i++) {
             key = order[i]; n = count[key]; split(key, f, ",")
             median[key] = n % 2 ? value[key, (n + 1) / 2] : 0.5 * (value[key, n / 2] + value[key, n / 2 + 1])
@@ -97,10 +116,17 @@ sort -t, -k1,1 -k2,2n -k3,3 -k5,5n "$csv" | awk -F, '
         for (i = 1; i <= m; i++) {
             key = order[i]; n = count[key]; split(key, f, ",")
             own = f[1] "," f[2] ",dm2"
-            if (f[1] == "scaling") own = f[1] "," f[2] ",dm2-client -n 2"
+            if (f[1] ~ /^two/) own = f[1] "," f[2] (f[3] ~ /^lammps/ ? ",lammps-2" : ",dm2-client -n 2")
             printf "%-9s %9d  %-16s %12.3f  %-25s %s\n", f[1], f[2], f[3], 1e-6 * median[key],
                 sprintf("%.3f - %.3f", 1e-6 * value[key, 1], 1e-6 * value[key, n]),
                 key == own ? "" : sprintf("%.2f", median[own] / median[key])
+            printf "%s,%s,%.6g\n", f[2], f[3], median[key] >(out "/medians-" f[1] ".csv")
         }
     }'
+for w in $work; do
+    { echo 'elements,program,element-steps/s'; cat "$out/medians-$w.csv"; } >"$out/$w.csv"
+    rm "$out/medians-$w.csv"
+    "$bin/dm2-plot" chart "$out/$w.csv" --x elements --y element-steps/s --by program --log-x --markers \
+        -t "$w: element-steps per second, medians" -o "$out/$w.svg"
+done
 echo "every run: $csv"

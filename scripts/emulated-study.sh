@@ -4,11 +4,13 @@
 #
 #     sh scripts/emulated-study.sh          some ten minutes, most of them the link's; as root
 #
-# SIZES (1689,10000,50000,100000), LARGEST (200000), RUNS (3; of LARGEST one) and STEPS (12) in the environment change the sweep.
+# SIZES (1689,10000,50000,100000), LARGEST (200000), RUNS (3; of LARGEST one), STEPS (12) and TURNS of messages (6) in the
+# environment change the sweep.
 #
-# Measured through the link: link_step, the time of a step, and the processor seconds in which the busiest server computes (forces,
-# integration, rebuilds; not what its messages cost the system). Processors here are so much faster than an Ultra-10 that a step through 10BaseT consists of communication. The
-# time on a cluster of processors `factor` times slower is computed, along the critical path, the busiest server's:
+# Measured through the link: link_step, the time of a step, and the processor seconds in which the busiest server computes
+# (forces, integration, rebuilds; not what its messages cost the system). Processors here are so much faster than an Ultra-10
+# that a step through 10BaseT consists of communication. The time on a cluster of processors `factor` times slower is
+# computed, along the critical path, the busiest server's:
 #
 #     t_dist = link_step + (factor - 1) computing          t_seq = factor (computing of dm2-seq)
 #
@@ -35,7 +37,8 @@ through()
     status=0
     sh "${0%/*}/emulated-cluster" "$network" 8 sh -e -c '
         model=$1 to=$2 counts=$3 sizes=$4 largest=$5 runs=$6 steps=$7
-        "$model" calibrate --hosts "$HOSTS" --key "$KEY" -n "$counts" --n 10000 --runs 1 --turns 6 -f "$to/link.csv" -o "$to/calibrate"
+        "$model" calibrate --hosts "$HOSTS" --key "$KEY" -n "$counts" --n 10000 --runs 1 --turns "$8" \
+            -f "$to/link.csv" -o "$to/calibrate"
         swept() # SIZES RUNS FILE
         {
             "$model" compare --calibration "$to/link.csv" --hosts "$HOSTS" --key "$KEY" -n "$counts" --n "$1" --runs "$2" \
@@ -43,7 +46,7 @@ through()
         }
         swept "$sizes" "$runs" sizes.csv
         [ -z "$largest" ] || swept "$largest" 1 largest.csv' study \
-        "$model" "$work/$network" "$counts" "$sizes" "$largest" "$runs" "$steps" >"$work/$network/said" || status=$?
+        "$model" "$work/$network" "$counts" "$sizes" "$largest" "$runs" "$steps" "${TURNS:-6}" >"$work/$network/said" || status=$?
     [ "$status" -eq 0 ] || { cat "$work/$network/said"; exit "$status"; }
 }
 

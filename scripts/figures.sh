@@ -1,5 +1,6 @@
 #!/bin/sh
-# The figures of the paper's sections 6 and 7, as SVG in docs/figures/, and the tables of docs/timing-study.md, from the CSV files there:
+# The figures of the paper's sections 6 and 7, as SVG in docs/figures/, and the tables of
+# docs/timing-study.md, from the CSV files there:
 #
 #     scripts/figures.sh            draws
 #     scripts/figures.sh measure    measures all CSV files of this machine anew (some twelve minutes on two idle processors, nine of

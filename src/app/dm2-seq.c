@@ -129,6 +129,8 @@ static enum dm2_status step(struct sequence *s, struct dm2_error *err)
     int64_t n = subdomain_step(s->sd);
     bool history = results_history_due(c, n), snapshot = results_snapshot_due(c, n);
     struct measures measures;
+    struct spread spread;
+    bool survey = rebuild_plan_survey(&s->plan);
     double dmax, started = clock_now(), output = s->report.output;
     enum dm2_status status = subdomain_forces(s->sd, results_measure_due(c, n), err);
     if (status == DM2_OK && snapshot)
@@ -137,7 +139,9 @@ static enum dm2_status step(struct sequence *s, struct dm2_error *err)
         status = write_profiles(s, err);
     if (status == DM2_OK)
         status = subdomain_move(s->sd, &dmax, history ? &measures : NULL, err);
-    if (status == DM2_OK && rebuild_plan_step(&s->plan, dmax))
+    if (status == DM2_OK && survey)
+        subdomain_survey(s->sd, &spread);
+    if (status == DM2_OK && rebuild_plan_step(&s->plan, dmax, survey ? &spread : NULL))
         status = rebuild(s, err);
     if (!snapshot) { /* a step with a snapshot is not a time step alone */
         s->report.stepping += clock_now() - started - (s->report.output - output);

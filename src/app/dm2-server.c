@@ -6,6 +6,9 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <time.h>
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
 
 #include "dm2/app/options.h"
 #include "dm2/app/run.h"
@@ -111,11 +114,15 @@ static enum dm2_status read_secrets(struct server_command *c, struct dm2_error *
     return status;
 }
 
-/* What a server has in memory, decks and keys, is not left in a file where it crashed. */
+/* What a server has in memory, decks and keys, is not left in a file where it crashed. Linux hands a core to the program of
+ * kernel.core_pattern whatever the limit is, but none of a process that is not dumpable. */
 static void leave_no_core(void)
 {
     const struct rlimit none = {0, 0};
     (void)setrlimit(RLIMIT_CORE, &none);
+#ifdef __linux__
+    (void)prctl(PR_SET_DUMPABLE, 0);
+#endif
 }
 
 static enum dm2_status serve(struct server_command *c, int cancel, struct dm2_error *err)

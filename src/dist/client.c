@@ -5,7 +5,7 @@
  * steps
  *
  *     gather   STEP from every rank, with the STATE parts of a snapshot and PROFILE sums before it where they are due
- *     decide   sums of counts, dmax, dumax: was this exchange of the right kind, what will the next one be
+ *     decide   sums of counts, dmax, surveys: was this exchange of the right kind, what will the next one be
  *     route    segments to their destinations, straight out of the buffers they came in
  *     send     NEXT to every rank
  *     write    history, snapshots, while the servers compute
@@ -21,6 +21,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "dm2/base/clock.h"
 #include "dm2/base/fingerprint.h"
@@ -101,6 +102,7 @@ struct client {
     const struct decomposition *decomposition;
     bool stepping; /* all servers are ready: a signal is obeyed after the step */
     bool copy_due; /* the state comes with this step */
+    bool survey;   /* the spread comes with this step */
     int culprit;   /* the rank that failed; -1: none */
     bool silent;   /* by its silence */
     int ranks;
@@ -315,7 +317,7 @@ static enum dm2_status wait_for_any(struct client *c, double since, double note_
     double until = note_at > now && note_at < first ? note_at : first;
     c->polls[*n] = (struct pollfd){.fd = c->course->stopping ? -1 : c->options->cancel, .events = POLLIN};
     double wait = until > now ? ceil(1000 * (until - now)) : 0;
-    int ready = poll(c->polls, (nfds_t)*n + 1, wait < 1e9 ? (int)wait : 1000000000);
+    int ready = socket_poll(c->polls, (nfds_t)*n + 1, wait < 1e9 ? (int)wait : 1000000000);
     if (ready < 0 && errno != EINTR && errno != EAGAIN)
         return dm2_fail(err, DM2_NET, "poll: %s", strerror(errno));
     bool asked = ready > 0 && c->polls[*n].revents != 0;
@@ -492,9 +494,12 @@ static enum dm2_status take_echo(struct client *c, int rank, struct bytes_reader
     return peer_failed(c, rank, DM2_PROTOCOL, "it did not send the same bytes back", err);
 }
 
-/* One message of n bytes to every server, and back from every one. */
+/* One message of n bytes to every server, and back from every one. A pause comes first: in a time step, too, the messages
+ * find processes that have gone to sleep while others computed, and waking them up is a good part of b_N. */
 static enum dm2_status echo_once(struct client *c, uint32_t n, double *seconds, struct dm2_error *err)
 {
+    const struct timespec pause = {.tv_nsec = 200000};
+    (void)nanosleep(&pause, NULL);
     bytes_clear(&c->out);
     for (uint32_t k = 0; k < n; k++)
         bytes_put_u8(&c->out, (uint8_t)(k * 31));
@@ -695,23 +700,26 @@ struct step_sum {
     double dmax, busy;
     int slowest;
     uint64_t hash;
+    struct spread spread;
     struct measures measures;
 };
 
-static enum dm2_status sum_up(struct client *c, bool rebuild, bool measured, bool hashed,
+static enum dm2_status sum_up(struct client *c, bool rebuild, bool measured, bool hashed, bool surveyed,
                               struct step_sum *sum, struct dm2_error *err)
 {
     uint64_t elements = 0;
-    *sum = (struct step_sum){0};
+    *sum = (struct step_sum){.spread = spread_none()};
     measures_clear(&sum->measures);
     for (int k = 0; k < c->ranks; k++) {
         const struct step_message *m = &c->peers[k].step;
-        if (m->step != c->at || m->rebuild != rebuild || m->measured != measured || m->hashed != hashed) {
+        if (m->step != c->at || m->rebuild != rebuild || m->measured != measured || m->hashed != hashed ||
+            m->surveyed != surveyed) {
             char text[160];
             (void)snprintf(text, sizeof text,
-                           "its STEP message is of step %lld (rebuild %d, measures %d, hash %d), not as "
-                           "asked for (%d, %d, %d)",
-                           (long long)m->step, m->rebuild, m->measured, m->hashed, rebuild, measured, hashed);
+                           "its STEP message is of step %lld (rebuild %d, measures %d, hash %d, survey %d), not as "
+                           "asked for (%d, %d, %d, %d)",
+                           (long long)m->step, m->rebuild, m->measured, m->hashed, m->surveyed, rebuild, measured, hashed,
+                           surveyed);
             return peer_failed(c, k, DM2_PROTOCOL, text, err);
         }
         elements += m->owned;
@@ -720,6 +728,8 @@ static enum dm2_status sum_up(struct client *c, bool rebuild, bool measured, boo
             sum->busy = m->busy;
             sum->slowest = k;
         }
+        if (surveyed)
+            spread_merge(&sum->spread, &m->spread);
         sum->hash += m->hash;
         if (measured)
             measures_merge(&sum->measures, &m->measures);
@@ -843,11 +853,11 @@ static enum dm2_status write_profiles(struct client *c, struct dm2_error *err)
 
 /* Decides, routes and sends: what ends one step and starts the next. *rebuild is how this exchange was asked
  * for, and becomes how the next one will be. */
-static enum dm2_status exchange_step(struct client *c, bool *rebuild, double dmax, struct dm2_error *err)
+static enum dm2_status exchange_step(struct client *c, bool *rebuild, const struct step_sum *sum, struct dm2_error *err)
 {
     enum dm2_status status = DM2_OK;
     bool last = c->at == c->job->config->steps;
-    if (rebuild_plan_step(&c->plan, dmax) && !*rebuild) {
+    if (rebuild_plan_step(&c->plan, sum->dmax, c->survey ? &sum->spread : NULL) && !*rebuild) {
         struct step_sum again;
         *rebuild = true;
         c->report.redone++;
@@ -855,7 +865,7 @@ static enum dm2_status exchange_step(struct client *c, bool *rebuild, double dma
         if (status == DM2_OK)
             status = gather(c, MESSAGE_STEP, LIMIT_STEP, take_step, false, err);
         if (status == DM2_OK)
-            status = sum_up(c, true, false, false, &again, err);
+            status = sum_up(c, true, false, false, false, &again, err);
         if (status != DM2_OK)
             return status;
     }
@@ -864,10 +874,12 @@ static enum dm2_status exchange_step(struct client *c, bool *rebuild, double dma
         c->report.rebuilds++;
     }
     *rebuild = !last && rebuild_plan_expected(&c->plan);
+    c->survey = !last && rebuild_plan_survey(&c->plan);
     double start = clock_now();
     c->copy_due = wants_copy(c, c->at + 1);
-    status = send_next(c, (struct next_message){.step = c->at, .rebuild_next = *rebuild, .copy_next = c->copy_due}, true,
-                       err);
+    const struct next_message next = {
+        .step = c->at, .rebuild_next = *rebuild, .copy_next = c->copy_due, .survey_next = c->survey};
+    status = send_next(c, next, true, err);
     c->report.relay += clock_now() - start;
     return status;
 }
@@ -888,9 +900,9 @@ static enum dm2_status step(struct client *c, int64_t n, bool *rebuild, struct d
     expect_profiles(c, n);
     enum dm2_status status = gather(c, MESSAGE_STEP, LIMIT_STEP, take_step, false, err);
     if (status == DM2_OK)
-        status = sum_up(c, *rebuild, results_measure_due(config, n), hashed, &sum, err);
+        status = sum_up(c, *rebuild, results_measure_due(config, n), hashed, c->survey, &sum, err);
     if (status == DM2_OK)
-        status = exchange_step(c, rebuild, sum.dmax, err);
+        status = exchange_step(c, rebuild, &sum, err);
     if (status != DM2_OK)
         return status;
     double sent = clock_now();

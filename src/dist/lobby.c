@@ -2,7 +2,11 @@
  *
  * What a visitor wants is seen from the header of its first message, which is looked at and not taken: a client's bytes
  * stay where they are until its session reads them. Clients are not polled any more, so that what they sent wakes nobody;
- * neither is a visitor whose few bytes do not tell yet, which is looked at again every 50 ms instead.
+ * neither is a visitor whose few bytes do not tell yet, which is looked at again every 50 ms instead. A client that has
+ * closed, or whose first message is not there to its end in time, loses its place.
+ *
+ * Where a connection could not be taken, for want of descriptors for instance, it still makes the listener readable: that
+ * one is left alone for 100 ms then, so that the wait for the session's client is none that spins.
  *
  * Everything is sent with a deadline of now: it is small and the connection is fresh, so it goes or the visitor is none.
  * A visitor that is refused gets the same words as in a session, whatever the reason; the log has the reason. */
@@ -19,7 +23,7 @@
 #include "dm2/base/machine.h"
 #include "dm2/dist/messages.h"
 
-static const double VAGUE_SECONDS = 0.05;
+static const double VAGUE_SECONDS = 0.05, DEAF_SECONDS = 0.1;
 
 enum { TYPE_AT = 6 }; /* in the header of a frame */
 
@@ -68,6 +72,14 @@ void lobby_close(struct lobby *l)
 /* --- who asks for the status -------------------------------------------------------------------------------
  */
 
+static size_t clients(const struct lobby *l)
+{
+    size_t n = 0;
+    for (size_t k = 0; k < l->n; k++)
+        n += l->visitors[k].kind == VISITOR_CLIENT;
+    return n;
+}
+
 static enum dm2_status send_report(struct lobby *l, struct visitor *v, struct dm2_error *err)
 {
     const struct lobby_business *b = &l->business;
@@ -81,8 +93,7 @@ static enum dm2_status send_report(struct lobby *l, struct visitor *v, struct dm
         m.ranks = b->session->rank < 0 ? 0 : b->session->ranks;
         m.step = b->session->steps;
     }
-    for (size_t k = 0; k < l->n; k++)
-        m.waiting += l->visitors[k].kind == VISITOR_CLIENT;
+    m.waiting = (uint32_t)clients(l);
     bytes_clear(&l->out);
     message_put_report(&l->out, &m);
     return send_out(l, v, MESSAGE_REPORT, err);
@@ -158,9 +169,25 @@ static const char *look_at(struct lobby *l, struct visitor *v)
         return broken ? "closed the connection" : "does not speak dm2's protocol";
     if (got == sizeof head && !stranger && head[TYPE_AT] == MESSAGE_STATUS)
         v->kind = VISITOR_ASKS;
-    else if (broken || stranger || got == sizeof head || (still && v->vague && l->business.peer == NULL))
+    else if (broken || stranger || got == sizeof head || (still && v->vague && l->business.peer == NULL)) {
+        if (l->business.peer != NULL && clients(l) >= LOBBY_CLIENTS)
+            return "refused: as many clients wait as may";
         v->kind = VISITOR_CLIENT;
+    }
     return NULL;
+}
+
+/* Is the first message of a client there to its end? It is looked at, not taken. */
+static bool has_first_message(const struct visitor *v)
+{
+    unsigned char bytes[FRAME_HEADER + LIMIT_HELLO];
+    struct frame_header h;
+    size_t got;
+    int closed;
+    if (socket_peek(v->channel.fd, bytes, sizeof bytes, &got, &closed, NULL) != DM2_OK || got < FRAME_HEADER)
+        return false;
+    (void)frame_header_decode(bytes, PROTOCOL_VERSION, LIMIT_HELLO, &h);
+    return h.length <= got - FRAME_HEADER;
 }
 
 /* Takes one connection, if one is there. */
@@ -169,8 +196,10 @@ static enum dm2_status take_visitor(struct lobby *l, struct dm2_error *err)
     char peer[SOCKET_NAME];
     int fd = -1;
     enum dm2_status status = socket_accept(l->listener, deadline_in(0, -1), &fd, peer, err);
-    if (status == DM2_TIMEOUT || fd < 0)
+    if (status == DM2_TIMEOUT || fd < 0) {
+        l->deaf_until = clock_now() + DEAF_SECONDS;
         return status == DM2_TIMEOUT ? DM2_OK : status;
+    }
     struct visitor *v = &l->visitors[l->n++];
     *v = (struct visitor){.kind = VISITOR_NEW, .until = clock_now() + l->options->handshake};
     channel_open(&v->channel, fd, PROTOCOL_VERSION, peer);
@@ -189,11 +218,13 @@ static void make_rounds(struct lobby *l)
         struct visitor *v = &l->visitors[k];
         struct dm2_error err = {0};
         bool over = false;
-        const char *why = v->kind == VISITOR_NEW ? look_at(l, v) : NULL;
+        const char *why = v->gone ? "closed the connection" : v->kind == VISITOR_NEW ? look_at(l, v) : NULL;
+        if (why == NULL && v->kind == VISITOR_CLIENT && !v->whole)
+            v->whole = has_first_message(v);
         if (why == NULL && (v->kind == VISITOR_ASKS || v->kind == VISITOR_PROVES) &&
             attend(l, v, &over, &err) != DM2_OK)
             why = err.text;
-        if (why == NULL && !over && v->kind != VISITOR_CLIENT && clock_now() >= v->until)
+        if (why == NULL && !over && !v->whole && clock_now() >= v->until)
             why = "no answer in time";
         if (why != NULL) {
             refuse(l, k, why);
@@ -212,7 +243,7 @@ static double next_round(const struct lobby *l, double until)
 {
     for (size_t k = 0; k < l->n; k++) {
         const struct visitor *v = &l->visitors[k];
-        if (v->kind != VISITOR_CLIENT && v->until < until)
+        if (!v->whole && v->until < until)
             until = v->until;
         if (v->vague && v->kind == VISITOR_NEW && clock_now() + VAGUE_SECONDS < until)
             until = clock_now() + VAGUE_SECONDS;
@@ -229,17 +260,22 @@ static enum lobby_wake turn(struct lobby *l, int fd, struct deadline until, stru
     nfds_t n = 0;
     polls[n++] = (struct pollfd){.fd = fd, .events = POLLIN};
     polls[n++] = (struct pollfd){.fd = until.cancel, .events = POLLIN};
-    polls[n++] = (struct pollfd){.fd = l->n < LOBBY_MOST ? l->listener : -1, .events = POLLIN};
-    for (size_t k = 0; k < l->n; k++)
-        if (l->visitors[k].kind != VISITOR_CLIENT && !l->visitors[k].vague)
-            polls[n++] = (struct pollfd){.fd = l->visitors[k].channel.fd, .events = POLLIN};
-    double left = next_round(l, until.at) - clock_now();
-    int ready = poll(polls, n, left <= 0 ? 0 : left > 1e6 ? 1000000000 : (int)ceil(left * 1000));
+    bool deaf = clock_now() < l->deaf_until;
+    polls[n++] = (struct pollfd){.fd = l->n < LOBBY_MOST && !deaf ? l->listener : -1, .events = POLLIN};
+    for (size_t k = 0; k < l->n; k++) {
+        const struct visitor *v = &l->visitors[k];
+        polls[n++] = (struct pollfd){.fd = v->kind == VISITOR_NEW && v->vague ? -1 : v->channel.fd,
+                                     .events = v->kind == VISITOR_CLIENT ? SOCKET_ENDED : POLLIN};
+    }
+    double next = next_round(l, deaf && l->deaf_until < until.at ? l->deaf_until : until.at), left = next - clock_now();
+    int ready = socket_poll(polls, n, left <= 0 ? 0 : left > 1e6 ? 1000000000 : (int)ceil(left * 1000));
     if (ready < 0 && errno != EINTR && errno != EAGAIN) {
         (void)dm2_fail(err, DM2_NET, "poll: %s", strerror(errno));
         return WAKE_BROKEN;
     }
     bool more = ready > 0 && polls[2].revents != 0;
+    for (size_t k = 0; k < l->n; k++)
+        l->visitors[k].gone = ready > 0 && l->visitors[k].kind == VISITOR_CLIENT && polls[3 + k].revents != 0;
     if (ready > 0 && polls[1].revents != 0)
         return WAKE_CANCEL;
     if (more && take_visitor(l, err) != DM2_OK)

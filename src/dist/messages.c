@@ -185,17 +185,36 @@ void message_get_ready(struct bytes_reader *r, struct ready_message *m)
     require(r, bytes_done(r));
 }
 
-enum { STEP_REBUILD = 1, STEP_MEASURED = 2, STEP_HASHED = 4, STEP_FLAGS = 7 };
+static void put_spread(struct bytes_writer *w, const struct spread *s)
+{
+    bytes_put_f64s(w, s->low, 2);
+    bytes_put_f64s(w, s->high, 2);
+    bytes_put_f64(w, s->most);
+}
+
+/* Of no element it is infinite; a number that is none would hide the others' in a comparison. */
+static void get_spread(struct bytes_reader *r, struct spread *s)
+{
+    bytes_get_f64s(r, s->low, 2);
+    bytes_get_f64s(r, s->high, 2);
+    s->most = get_seconds(r);
+    for (int a = 0; a < 2; a++)
+        require(r, s->low[a] <= s->high[a] || (s->low[a] == INFINITY && s->high[a] == -INFINITY));
+}
+
+enum { STEP_REBUILD = 1, STEP_MEASURED = 2, STEP_HASHED = 4, STEP_SURVEYED = 8, STEP_FLAGS = 15 };
 
 void message_put_step(struct bytes_writer *w, const struct step_message *m)
 {
     bytes_put_i64(w, m->step);
     bytes_put_u8(w, (uint8_t)((m->rebuild ? STEP_REBUILD : 0) | (m->measured ? STEP_MEASURED : 0) |
-                              (m->hashed ? STEP_HASHED : 0)));
+                              (m->hashed ? STEP_HASHED : 0) | (m->surveyed ? STEP_SURVEYED : 0)));
     bytes_put_u64(w, m->owned);
     bytes_put_u64(w, m->migrants);
     bytes_put_f64(w, m->dmax);
     bytes_put_f64(w, m->busy);
+    if (m->surveyed)
+        put_spread(w, &m->spread);
     if (m->measured)
         wire_put_measures(w, &m->measures);
     if (m->hashed)
@@ -211,23 +230,26 @@ void message_get_step(struct bytes_reader *r, struct step_message *m)
     m->rebuild = (flags & STEP_REBUILD) != 0;
     m->measured = (flags & STEP_MEASURED) != 0;
     m->hashed = (flags & STEP_HASHED) != 0;
+    m->surveyed = (flags & STEP_SURVEYED) != 0;
     m->owned = bytes_get_u64(r);
     m->migrants = bytes_get_u64(r);
     m->dmax = get_seconds(r); /* a length here: finite and not negative as well */
     m->busy = get_seconds(r);
+    if (m->surveyed)
+        get_spread(r, &m->spread);
     if (m->measured)
         wire_get_measures(r, &m->measures);
     m->hash = m->hashed ? bytes_get_u64(r) : 0;
     m->n_segments = bytes_get_u32(r);
 }
 
-enum { NEXT_REDO = 1, NEXT_REBUILD = 2, NEXT_COPY = 4, NEXT_FLAGS = 7 };
+enum { NEXT_REDO = 1, NEXT_REBUILD = 2, NEXT_COPY = 4, NEXT_SURVEY = 8, NEXT_FLAGS = 15 };
 
 void message_put_next(struct bytes_writer *w, const struct next_message *m)
 {
     bytes_put_i64(w, m->step);
     bytes_put_u8(w, (uint8_t)((m->redo ? NEXT_REDO : 0) | (m->rebuild_next ? NEXT_REBUILD : 0) |
-                              (m->copy_next ? NEXT_COPY : 0)));
+                              (m->copy_next ? NEXT_COPY : 0) | (m->survey_next ? NEXT_SURVEY : 0)));
     bytes_put_u32(w, m->n_segments);
 }
 
@@ -239,6 +261,7 @@ void message_get_next(struct bytes_reader *r, struct next_message *m)
     m->redo = (flags & NEXT_REDO) != 0;
     m->rebuild_next = (flags & NEXT_REBUILD) != 0;
     m->copy_next = (flags & NEXT_COPY) != 0;
+    m->survey_next = (flags & NEXT_SURVEY) != 0;
     m->n_segments = bytes_get_u32(r);
     require(r, !m->redo || m->n_segments == 0);
 }

@@ -30,6 +30,7 @@
 #include "dm2/sim/subdomain.h"
 
 static const double HANG_UP_SECONDS = 2.0; /* for a peer to read our last message */
+static const double MOST_PATIENCE = 10.0;  /* times --timeout, however patient the client is itself */
 
 struct session {
     const struct server_options *options;
@@ -223,13 +224,22 @@ char *server_deck_path(const char *directory, const char *name)
     return NULL;
 }
 
+/* Of the files that a deck below the directory includes, too. */
+static bool may_read(void *directory, const char *path)
+{
+    char *found = server_deck_path(directory, path + strlen(directory) + 1);
+    free(found);
+    return found != NULL;
+}
+
 /* Puts the texts of the server's own copy into the message, if there is one. */
 static bool read_own_copy(struct session *s)
 {
     char *path = server_deck_path(s->options->deck_dir, s->deck.name);
     struct deck_source own;
     struct dm2_error ignored;
-    bool found = path != NULL && deck_source_read(path, &own, &ignored) == DM2_OK;
+    bool found = path != NULL && deck_source_read_some(path, may_read, (void *)(uintptr_t)s->options->deck_dir, &own,
+                                                       &ignored) == DM2_OK;
     free(path);
     if (!found)
         return false;
@@ -273,6 +283,20 @@ static enum dm2_status check_steps(const struct session *s, struct dm2_error *er
                     (long long)s->config.steps, (long long)most);
 }
 
+/* Before the work that the limit is to prevent: some four times as many are counted, and taken or not for their number; what is
+ * beyond is not begun. */
+static enum dm2_status check_estimate(const struct session *s, struct dm2_error *err)
+{
+    const struct model_estimate e = model_estimate(&s->config);
+    double most = (double)s->options->max_elements;
+    if (most == 0 || (e.elements <= 4 * most + 0x1p16 && e.places <= 64 * most + 0x1p20 && e.cells <= 64 * most + 0x1p20))
+        return DM2_OK;
+    return dm2_fail(err, DM2_DECK,
+                    "the deck makes about %.3g elements from %.3g lattice sites in %.3g cells, this server takes at most %.0f: "
+                    "dm2-server --max-elements N",
+                    e.elements, e.places, e.cells, most);
+}
+
 static enum dm2_status check_elements(const struct session *s, struct dm2_error *err)
 {
     uint64_t most = s->options->max_elements;
@@ -293,6 +317,8 @@ static enum dm2_status load_deck(struct session *s, struct dm2_error *err)
     deck_report_free(&report);
     if (status == DM2_OK)
         status = check_steps(s, err);
+    if (status == DM2_OK)
+        status = check_estimate(s, err);
     if (status == DM2_OK)
         status = model_build(&s->config, &s->model, err);
     return status == DM2_OK ? check_elements(s, err) : status;
@@ -446,7 +472,7 @@ static enum dm2_status get_assignment(struct session *s, struct dm2_error *err)
         return not_decoded("ASSIGN", err);
     s->summary->rank = s->assign.rank;
     s->summary->ranks = s->assign.ranks;
-    s->timeout = fmax(s->timeout, 2 * s->assign.timeout);
+    s->timeout = fmax(s->timeout, fmin(2 * s->assign.timeout, MOST_PATIENCE * s->options->timeout));
     status = check_assignment(s, err);
     if (status != DM2_OK)
         return status;
@@ -630,7 +656,7 @@ static enum dm2_status exchange_step(struct session *s, struct step_message *m, 
             return dm2_fail(err, DM2_PROTOCOL, "the client asks for a rebuild of step %lld, which was one",
                             (long long)m->step);
         m->rebuild = true;
-        m->measured = m->hashed = false;
+        m->measured = m->hashed = m->surveyed = false;
         status = send_step(s, m, err);
         if (status == DM2_OK)
             status = get_next(s, m->step, &next, &r, err);
@@ -662,6 +688,9 @@ static enum dm2_status step(struct session *s, int64_t n, struct next_message *a
         status = send_profiles(s, err);
     if (status == DM2_OK)
         status = subdomain_move(s->sd, &m.dmax, measure ? &m.measures : NULL, err);
+    m.surveyed = asked->survey_next;
+    if (status == DM2_OK && m.surveyed)
+        subdomain_survey(s->sd, &m.spread);
     m.hashed = every > 0 && (m.step % every == 0 || m.step == s->config.steps);
     if (status == DM2_OK && m.hashed)
         status = state_hash_subdomain(s->sd, &m.hash, err);
@@ -780,6 +809,14 @@ enum dm2_status server_session(int fd, const char *peer, const struct server_opt
     return serve_client(fd, peer, options, NULL, summary, err);
 }
 
+/* One line, which does nothing to the terminal that shows it, whatever a client has sent. */
+static void make_printable(char *text)
+{
+    for (char *c = text; *c != '\0'; c++)
+        if ((unsigned char)*c < ' ' || *c == 127)
+            *c = ' ';
+}
+
 static void log_session(const struct session_summary *sum, enum dm2_status status,
                         const struct dm2_error *err, server_log log, void *context, const char *peer)
 {
@@ -794,9 +831,7 @@ static void log_session(const struct session_summary *sum, enum dm2_status statu
         (void)snprintf(line, sizeof line, "done: %s", what);
     else
         (void)snprintf(line, sizeof line, "%s%s%s", err->text, what[0] != '\0' ? "; " : "", what);
-    for (char *c = line; *c != '\0'; c++)
-        if (*c == '\n')
-            *c = ' ';
+    make_printable(line);
     log(context, status == DM2_OK ? SERVER_DONE : SERVER_FAILED, peer, line);
 }
 

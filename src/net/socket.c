@@ -14,6 +14,7 @@
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
+#include <sched.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
@@ -30,6 +31,8 @@ enum { IOV_MOST = 16 }; /* _XOPEN_IOV_MAX, what POSIX promises */
 
 enum { LISTEN_BACKLOG = 128 };
 
+static const double SPIN_SECONDS = 5e-5; /* about what it takes to wake a process up */
+
 struct deadline deadline_in(double seconds, int cancel)
 {
     return (struct deadline){.at = clock_now() + seconds, .cancel = cancel};
@@ -44,13 +47,27 @@ void socket_ignore_sigpipe(void)
     (void)sigaction(SIGPIPE, &ignore, NULL);
 }
 
+int socket_poll(struct pollfd *polls, nfds_t n, int timeout)
+{
+    if (timeout != 0) {
+        double end = clock_now() + SPIN_SECONDS;
+        do {
+            int ready = poll(polls, n, 0);
+            if (ready != 0)
+                return ready;
+            (void)sched_yield();
+        } while (clock_now() < end);
+    }
+    return poll(polls, n, timeout);
+}
+
 enum dm2_status socket_wait(int fd, short events, struct deadline until, struct dm2_error *err)
 {
     for (;;) {
         struct pollfd wait[2] = {{.fd = fd, .events = events}, {.fd = until.cancel, .events = POLLIN}};
         double left = until.at - clock_now();
         int timeout = left <= 0 ? 0 : left > 1e6 ? 1000000000 : (int)ceil(left * 1000);
-        int ready = poll(wait, until.cancel >= 0 ? 2 : 1, timeout);
+        int ready = socket_poll(wait, until.cancel >= 0 ? 2 : 1, timeout);
         if (ready < 0 && errno != EINTR && errno != EAGAIN)
             return dm2_fail(err, DM2_NET, "poll: %s", strerror(errno));
         if (ready > 0 && until.cancel >= 0 && wait[1].revents != 0)
@@ -172,9 +189,9 @@ enum dm2_status socket_accept(int listener, struct deadline until, int *fd, char
     socklen_t length = sizeof name;
     int s = accept(listener, (struct sockaddr *)&name, &length);
     if (s < 0) {
-        if (errno == EBADF || errno == EINVAL || errno == ENOTSOCK || errno == EMFILE || errno == ENFILE)
+        if (errno == EBADF || errno == EINVAL || errno == ENOTSOCK)
             return dm2_fail(err, DM2_NET, "cannot take a connection: %s", strerror(errno));
-        return DM2_OK; /* that one is gone already */
+        return DM2_OK; /* that one is gone already, or there is no descriptor or memory for it now */
     }
     if (set_up(s) != 0) {
         socket_close(s);

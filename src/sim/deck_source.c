@@ -72,10 +72,18 @@ static bool have_text(const struct deck_source *source, const char *name)
     return false;
 }
 
+/* While a deck is read. */
+struct reading {
+    struct deck_source *source;
+    size_t room, budget; /* bytes and tokens that it may still have */
+    bool (*may)(void *context, const char *name); /* NULL: everything */
+    void *context;
+};
+
 /* Takes over `name`. */
-static enum dm2_status add_file(struct deck_source *source, char *name, const char *by, size_t *room,
-                                struct dm2_error *err)
+static enum dm2_status add_file(struct reading *reading, char *name, const char *by, struct dm2_error *err)
 {
+    struct deck_source *source = reading->source;
     struct deck_text text = {name, NULL, 0};
     struct deck_text *texts =
         name == NULL ? NULL : realloc(source->texts, (source->n_texts + 1) * sizeof *source->texts);
@@ -85,20 +93,21 @@ static enum dm2_status add_file(struct deck_source *source, char *name, const ch
     }
     source->texts = texts;
     unsigned char *bytes = NULL;
-    enum dm2_status status = file_read(name, *room, &bytes, &text.length, err);
+    enum dm2_status status = file_read(name, reading->room, &bytes, &text.length, err);
     text.text = (char *)bytes;
     if (status != DM2_OK && err != NULL && by[0] != '\0') {
         struct dm2_error why = *err;
         (void)dm2_fail(err, status, "%s%s", by, why.text);
     }
-    *room -= text.length < *room ? text.length : *room;
+    reading->room -= text.length < reading->room ? text.length : reading->room;
     source->texts[source->n_texts++] = text;
     return status;
 }
 
-static enum dm2_status read_included(struct deck_source *source, size_t includer, const struct tokens *tokens,
-                                     size_t at, size_t *room, struct dm2_error *err)
+static enum dm2_status read_included(struct reading *reading, size_t includer, const struct tokens *tokens, size_t at,
+                                     struct dm2_error *err)
 {
+    const struct deck_source *source = reading->source;
     const struct deck_text text = source->texts[includer];
     const struct token *path = &tokens->items[at];
     char *name = deck_source_include(text.name, text.text + path->offset + 1, path->length - 2);
@@ -115,19 +124,24 @@ static enum dm2_status read_included(struct deck_source *source, size_t includer
         free(name);
         return dm2_fail(err, DM2_DECK, "%sthe deck includes more than %d files", by, DECK_MAX_TEXTS - 1);
     }
-    return add_file(source, name, by, room, err);
+    if (reading->may != NULL && !reading->may(reading->context, name)) {
+        (void)dm2_fail(err, DM2_IO, "%s%s: not to be read here", by, name);
+        free(name);
+        return DM2_IO;
+    }
+    return add_file(reading, name, by, err);
 }
 
-static enum dm2_status read_includes(struct deck_source *source, size_t text, size_t *budget, size_t *room,
-                                     struct dm2_error *err)
+static enum dm2_status read_includes(struct reading *reading, size_t text, struct dm2_error *err)
 {
+    const struct deck_source *source = reading->source;
     struct findings *ignored = mem_zalloc(1, sizeof *ignored);
     struct tokens tokens = {0};
     enum dm2_status status = DM2_OK;
     if (ignored == NULL)
         return dm2_fail(err, DM2_MEMORY, "no memory to read the deck");
     findings_start(ignored, source);
-    (void)deck_lex(source->texts[text].text, source->texts[text].length, (int)text, budget, &tokens, ignored);
+    (void)deck_lex(source->texts[text].text, source->texts[text].length, (int)text, &reading->budget, &tokens, ignored);
     int open = 0;
     bool begins = true;
     for (size_t i = 0; status == DM2_OK && i + 1 < tokens.n; i++) {
@@ -135,7 +149,7 @@ static enum dm2_status read_includes(struct deck_source *source, size_t text, si
         struct deck_place place = {(int)text, tokens.items[i].offset, tokens.items[i].length};
         if (begins && open == 0 && kind == TOKEN_WORD && place_is(source, place, "include") &&
             tokens.items[i + 1].kind == TOKEN_STRING)
-            status = read_included(source, text, &tokens, i + 1, room, err);
+            status = read_included(reading, text, &tokens, i + 1, err);
         open += kind == '{' ? 1 : kind == '}' && open > 0 ? -1 : 0;
         begins = kind == TOKEN_NEWLINE || kind == ';' || kind == '}';
     }
@@ -146,16 +160,23 @@ static enum dm2_status read_includes(struct deck_source *source, size_t text, si
 
 enum dm2_status deck_source_read(const char *path, struct deck_source *out, struct dm2_error *err)
 {
-    size_t room = DECK_MAX_BYTES, budget = DECK_MAX_TOKENS;
+    return deck_source_read_some(path, NULL, NULL, out, err);
+}
+
+enum dm2_status deck_source_read_some(const char *path, bool (*may)(void *context, const char *name), void *context,
+                                      struct deck_source *out, struct dm2_error *err)
+{
+    struct reading reading = {
+        .source = out, .room = DECK_MAX_BYTES, .budget = DECK_MAX_TOKENS, .may = may, .context = context};
     size_t length = strlen(path) + 1;
     *out = (struct deck_source){.steps = -1};
     char *name = malloc(length);
     if (name != NULL)
         memcpy(name, path, length);
-    enum dm2_status status = add_file(out, name, "", &room, err);
+    enum dm2_status status = add_file(&reading, name, "", err);
     /* The list grows as files include further ones. */
     for (size_t i = 0; status == DM2_OK && i < out->n_texts; i++)
-        status = read_includes(out, i, &budget, &room, err);
+        status = read_includes(&reading, i, err);
     if (status != DM2_OK)
         deck_source_free(out);
     return status;

@@ -259,7 +259,7 @@ void far_evaluate(struct pass *pass, struct lists *lists)
     const struct model *m = pass->m;
     const struct half_list *list = &lists->far;
     bool measure = pass->totals != NULL;
-    if (m->wide_far)
+    if (m->wide_far && !pass->plain)
         far_wide(pass, lists);
     else if (m->uniform_far && measure)
         far_rows(pass, list, true, true);

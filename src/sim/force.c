@@ -4,7 +4,9 @@
  * conversion's range is checked; nothing wraps. */
 #include "dm2/sim/force.h"
 
+#include <assert.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "dm2/base/simd.h"
@@ -186,18 +188,25 @@ DM2_WIDE static void near_singles_measured(struct pass *pass, struct lists *l)
     single_rows(pass, l, true);
 }
 
+/* Links in quads, then what stands alone. */
+static void near_sorted(struct pass *pass, struct lists *l)
+{
+    pass->no_memory = link_list_prepare(l, pass->m, pass->p) != 0;
+    if (pass->no_memory)
+        return;
+    near_wide(pass, l, near_single);
+    if (pass->totals != NULL)
+        near_singles_measured(pass, l);
+    else
+        near_singles(pass, l);
+}
+
 static void near_evaluate(struct pass *pass, struct lists *l)
 {
     const struct model *m = pass->m;
-    if (m->wide_near && link_list_prepare(l, m, pass->p) != 0)
-        pass->no_memory = true;
-    else if (m->wide_near) {
-        near_wide(pass, l, near_single);
-        if (pass->totals != NULL)
-            near_singles_measured(pass, l);
-        else
-            near_singles(pass, l);
-    } else if (pass->totals != NULL)
+    if (m->wide_near && !pass->plain)
+        near_sorted(pass, l);
+    else if (pass->totals != NULL)
         near_measured(pass, l);
     else if (m->grid.periodic[0] || m->grid.periodic[1])
         near_periodic(pass, l);
@@ -206,6 +215,85 @@ static void near_evaluate(struct pass *pass, struct lists *l)
     else
         near_central(pass, l);
 }
+
+static void evaluate(struct pass *pass, struct lists *lists)
+{
+    const struct model *m = pass->m;
+    struct particles *p = pass->p;
+    if (pass->totals != NULL) {
+        memset(p->virial, 0, p->n * VIRIAL_COUNT * sizeof *p->virial);
+        if (m->has_near)
+            memset(p->around, 0, p->n * AROUND_COUNT * sizeof *p->around);
+    }
+    if (p->far_sum != NULL)
+        memset(p->far_sum, 0, (p->n + 1) * 2 * sizeof *p->far_sum);
+    if (m->has_near)
+        memset(p->pair_sum, 0, p->n * SUM_COUNT * sizeof *p->pair_sum);
+    if (m->has_far)
+        far_evaluate(pass, lists);
+    if (m->has_near)
+        near_evaluate(pass, lists);
+}
+
+#ifdef DM2_DEBUG
+/* A copy of `bytes` bytes; the debug flavour does without its check where there is no memory. */
+static void *copy_of(const void *from, size_t bytes)
+{
+    void *copy = from != NULL ? malloc(bytes + 1) : NULL;
+    if (copy != NULL)
+        memcpy(copy, from, bytes);
+    return copy;
+}
+
+/* One array that an evaluation changes: before it, and after the fast paths. */
+struct watched {
+    void *array, *before, *after;
+    size_t bytes;
+    bool result; /* not read by an evaluation */
+};
+
+/* Evaluates by the fast paths, then again by the plain loops from the same memory: every bit must agree. */
+static void evaluate_checked(struct pass *pass, struct lists *l)
+{
+    struct particles *p = pass->p;
+    size_t pairs = pass->m->has_near ? l->near.start[p->n_own] : 0;
+    struct watched w[] = {{.array = l->linked, .bytes = pairs * sizeof *l->linked},
+                          {.array = l->stretch, .bytes = pairs * sizeof *l->stretch},
+                          {.array = l->spring, .bytes = pairs * sizeof *l->spring},
+                          {.array = p->far_sum, .bytes = p->n * 2 * sizeof *p->far_sum, .result = true},
+                          {.array = p->pair_sum, .bytes = p->n * SUM_COUNT * sizeof *p->pair_sum, .result = true},
+                          {.array = p->virial, .bytes = p->n * VIRIAL_COUNT * sizeof *p->virial, .result = true},
+                          {.array = p->around, .bytes = p->n * AROUND_COUNT * sizeof *p->around, .result = true}};
+    enum { WATCHED = sizeof w / sizeof w[0] };
+    struct pass plain = *pass;
+    struct pair_totals totals = {0};
+    plain.plain = true;
+    plain.totals = pass->totals != NULL ? &totals : NULL;
+    for (int k = 0; k < WATCHED; k++)
+        w[k].before = copy_of(w[k].array, w[k].bytes);
+    evaluate(pass, l);
+    bool check = !pass->bad && !pass->no_memory;
+    for (int k = 0; k < WATCHED && check; k++) {
+        w[k].after = copy_of(w[k].array, w[k].bytes);
+        check = w[k].array == NULL || (w[k].before != NULL && w[k].after != NULL);
+    }
+    for (int k = 0; k < WATCHED && check; k++) {
+        if (w[k].array != NULL && !w[k].result)
+            memcpy(w[k].array, w[k].before, w[k].bytes);
+    }
+    if (check) {
+        evaluate(&plain, l);
+        assert(memcmp(&plain.potential, &pass->potential, sizeof plain.potential) == 0);
+        assert(memcmp(&plain.elastic, &pass->elastic, sizeof plain.elastic) == 0);
+        assert(pass->totals == NULL || memcmp(&totals, pass->totals, sizeof totals) == 0);
+    }
+    for (int k = 0; k < WATCHED; k++) {
+        assert(!check || w[k].array == NULL || memcmp(w[k].array, w[k].after, w[k].bytes) == 0);
+        free(w[k].before);
+        free(w[k].after);
+    }
+}
+#endif
 
 enum dm2_status force_evaluate(const struct model *m, struct particles *p, struct lists *lists, double dt_kick,
                                double dt_path, struct pair_totals *totals, int64_t step, struct dm2_error *err)
@@ -219,19 +307,11 @@ enum dm2_status force_evaluate(const struct model *m, struct particles *p, struc
         *totals = (struct pair_totals){0};
     if (p->n == 0)
         return DM2_OK; /* and perhaps no array to clear */
-    if (totals != NULL) {
-        memset(p->virial, 0, p->n * VIRIAL_COUNT * sizeof *p->virial);
-        if (m->has_near)
-            memset(p->around, 0, p->n * AROUND_COUNT * sizeof *p->around);
-    }
-    if (p->far_sum != NULL)
-        memset(p->far_sum, 0, (p->n + 1) * 2 * sizeof *p->far_sum);
-    if (m->has_near)
-        memset(p->pair_sum, 0, p->n * SUM_COUNT * sizeof *p->pair_sum);
-    if (m->has_far)
-        far_evaluate(&pass, lists);
-    if (m->has_near)
-        near_evaluate(&pass, lists);
+#ifdef DM2_DEBUG
+    evaluate_checked(&pass, lists);
+#else
+    evaluate(&pass, lists);
+#endif
     if (pass.no_memory)
         return dm2_fail(err, DM2_MEMORY, "no memory to sort the pairs of %zu elements", p->n_own);
     if (pass.bad)

@@ -134,10 +134,11 @@ struct tally {
     simd_int virial[VIRIAL_COUNT], around[AROUND_COUNT], potential, elastic;
 };
 
-/* The same numbers as near_measure in force.c. False where one leaves the range. */
-DM2_INLINE bool measure_lanes(const struct pass *pass, const struct bond *bond, const struct lanes *at, simd_real fn,
-                              simd_real ft, simd_real elastic, struct tally *out)
+/* The same numbers as near_measure in force.c, of fn, ft and the energy of the springs. False where one leaves the range. */
+DM2_INLINE bool measure_lanes(const struct pass *pass, const struct bond *bond, const struct lanes *at,
+                              const simd_real of[3], struct tally *out)
 {
+    const simd_real fn = of[0], ft = of[1];
     const struct fixed_scales *scale = &pass->m->fixed;
     const simd_real zero = {0.0};
     const simd_int link = {TALLY_LINK, TALLY_LINK, TALLY_LINK, TALLY_LINK}, one = link / TALLY_LINK;
@@ -145,7 +146,7 @@ DM2_INLINE bool measure_lanes(const struct pass *pass, const struct bond *bond, 
     simd_real xx = dx * fx * scale->virial, yy = dy * fy * scale->virial;
     simd_real xy = 0.5 * (dx * fy + dy * fx) * scale->virial;
     simd_real potential = bond->energy * ((1.0 - at->e) * (1.0 - at->e)) * scale->energy;
-    elastic = elastic * scale->energy;
+    simd_real elastic = of[2] * scale->energy;
     simd_real largest = MAGNITUDE(xx) + MAGNITUDE(yy) + MAGNITUDE(xy) + MAGNITUDE(potential) + MAGNITUDE(elastic);
     simd_int more = ~(largest < 0x1p50);
     if (any(&more))
@@ -251,7 +252,8 @@ DM2_INLINE bool interact(struct pass *pass, struct lists *l, const struct pair_l
         return false;
     if (measure) {
         struct tally tally;
-        if (!measure_lanes(pass, bond, at, fn, ft, 0.5 * law->kt_link * (spring * spring), &tally))
+        const simd_real of[3] = {fn, ft, 0.5 * law->kt_link * (spring * spring)};
+        if (!measure_lanes(pass, bond, at, of, &tally))
             return false;
         add_tally(pass, q, &tally);
     }

@@ -1,9 +1,40 @@
-/* dmax and dumax. All is a comparison of sums; the guess for the next step may be wrong both ways: a rebuild
+/* dmax and surveys. All is a comparison of sums; the guess for the next step may be wrong both ways: a rebuild
  * too early costs time, a missed one costs the distributed run a second round trip. Neither changes a result.
+ *
+ * Two bounds of what a pair can have approached come out of a survey: twice the longest displacement, the better one
+ * where motion has no direction, and the diagonal of the box of all displacements, the better one where bodies
+ * move as wholes. After a survey the bound grows by 2 dmax again, so as it gets near dR surveys become frequent; one costs
+ * about as much as integrating positions, a rebuild as much as a few steps.
  */
 #include "dm2/sim/rebuild.h"
 
-static const double GROWTH = 1.5; /* of dmax from one step to the next that the guess allows for */
+#include <math.h>
+
+static const double GROWTH = 1.5;       /* of dmax from one step to the next that the guess allows for */
+static const double ROUNDING = 1e-9;    /* share of dR left for the rounding of positions and of these sums */
+
+struct spread spread_none(void)
+{
+    return (struct spread){.low = {INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY}};
+}
+
+void spread_merge(struct spread *into, const struct spread *other)
+{
+    for (int a = 0; a < 2; a++) {
+        into->low[a] = other->low[a] < into->low[a] ? other->low[a] : into->low[a];
+        into->high[a] = other->high[a] > into->high[a] ? other->high[a] : into->high[a];
+    }
+    into->most = other->most > into->most ? other->most : into->most;
+}
+
+double spread_approach(const struct spread *s)
+{
+    double x = s->high[0] - s->low[0], y = s->high[1] - s->low[1];
+    if (x < 0.0 || y < 0.0)
+        return 0.0;
+    double diagonal = sqrt(x * x + y * y), twice = 2.0 * s->most;
+    return diagonal < twice ? diagonal : twice;
+}
 
 void rebuild_plan_start(struct rebuild_plan *plan, const struct config *config)
 {
@@ -12,26 +43,40 @@ void rebuild_plan_start(struct rebuild_plan *plan, const struct config *config)
         plan->every = 1;
 }
 
-static bool spent(const struct rebuild_plan *plan, double dumax, int64_t steps)
+static bool spent(const struct rebuild_plan *plan, double approach, int64_t steps)
 {
-    return (plan->every > 0 && steps >= plan->every) || !(2.0 * dumax <= plan->delta_r);
+    return (plan->every > 0 && steps >= plan->every) || !(approach <= plan->delta_r * (1.0 - ROUNDING));
 }
 
-bool rebuild_plan_step(struct rebuild_plan *plan, double dmax)
+bool rebuild_plan_step(struct rebuild_plan *plan, double dmax, const struct spread *survey)
 {
     plan->last = dmax;
-    plan->dumax += dmax;
+    plan->approach += 2.0 * dmax;
+    if (survey != NULL) {
+        double approach = spread_approach(survey);
+        plan->approach = plan->approach <= approach ? plan->approach : approach;
+    }
     plan->steps++;
-    return spent(plan, plan->dumax, plan->steps);
+    return spent(plan, plan->approach, plan->steps);
 }
 
 void rebuild_plan_done(struct rebuild_plan *plan)
 {
-    plan->dumax = 0;
+    plan->approach = 0;
     plan->steps = 0;
+}
+
+static bool spent_after(const struct rebuild_plan *plan, int64_t steps)
+{
+    return spent(plan, plan->approach + 2.0 * GROWTH * plan->last * (double)steps, plan->steps + steps);
 }
 
 bool rebuild_plan_expected(const struct rebuild_plan *plan)
 {
-    return spent(plan, plan->dumax + GROWTH * plan->last, plan->steps + 1);
+    return spent_after(plan, 1);
+}
+
+bool rebuild_plan_survey(const struct rebuild_plan *plan)
+{
+    return !spent_after(plan, 1) && spent(plan, plan->approach + 4.0 * GROWTH * plan->last, plan->steps);
 }

@@ -74,6 +74,7 @@ struct subdomain {
     struct peer *peers;    /* [ranks] */
     struct idmap ids;      /* of mirrored elements and immigrants, for the memory of pairs */
     struct block from, moved, old_id; /* of settle */
+    struct block anchors;  /* positions of the owned elements at the last rebuild: 2 doubles each */
     int32_t *cell_of;      /* global cell of each owned slot at the last sort_out; -1: emigrated */
     size_t cell_cap;
     size_t n_leaving;      /* emigrants of the last sort_out, still in their slots until take_in */
@@ -459,11 +460,22 @@ done:
     return status;
 }
 
+/* Lists, and from where displacements count. */
+static enum dm2_status build_lists(struct subdomain *sd, bool initial, struct dm2_error *err)
+{
+    double *anchor = block_hold(&sd->anchors, sd->p.n_own, 2 * sizeof *anchor);
+    if (anchor == NULL)
+        return no_memory(sd, err);
+    if (sd->p.n_own > 0)
+        memcpy(anchor, sd->p.r, sd->p.n_own * 2 * sizeof *anchor);
+    return lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, initial, err);
+}
+
 /* The whole of a rebuild's second half. */
 static enum dm2_status settle(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels, struct dm2_error *err)
 {
     enum dm2_status status = arrange(sd, parcels, n_parcels, false, err);
-    return status == DM2_OK ? lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, false, err) : status;
+    return status == DM2_OK ? build_lists(sd, false, err) : status;
 }
 
 /* --- creation -------------------------------------------------------------------------------------------------- */
@@ -515,7 +527,7 @@ static enum dm2_status settle_chosen(struct subdomain *sd, struct chooser *chose
     free(chosen->mirrors.item);
     chosen->own.item = chosen->mirrors.item = NULL;
     idmap_free(&sd->ids); /* large enough for everybody, who will not all be newcomers again */
-    return status == DM2_OK ? lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, initial, err) : status;
+    return status == DM2_OK ? build_lists(sd, initial, err) : status;
 }
 
 /* How many links each owned element starts with. */
@@ -598,6 +610,7 @@ void subdomain_free(struct subdomain *sd)
     free(sd->from.item);
     free(sd->moved.item);
     free(sd->old_id.item);
+    free(sd->anchors.item);
     free(sd);
 }
 
@@ -620,6 +633,7 @@ size_t subdomain_bytes(const struct subdomain *sd)
 {
     size_t bytes = sizeof *sd + particles_bytes(&sd->p) + lists_bytes(&sd->lists) + cells_bytes(&sd->cells, &sd->map) +
                    sd->cell_cap * sizeof *sd->cell_of + sd->ids.slots * 8 + sd->from.cap + sd->moved.cap + sd->old_id.cap +
+                   sd->anchors.cap +
                    sd->strain.cap * STRAIN_SUMS * sizeof *sd->strain.sum + sd->reacted.cap * sizeof *sd->reacted.item;
     for (int r = 0; r < sd->map.ranks; r++)
         bytes += sd->peers[r].send.cap * sizeof(uint32_t) +
@@ -677,6 +691,31 @@ enum dm2_status subdomain_move(struct subdomain *sd, double *dmax, struct measur
     sd->step++;
     sd->measured = false;
     return status;
+}
+
+void subdomain_survey(struct subdomain *sd, struct spread *out)
+{
+    const struct grid *g = &sd->model->grid;
+    const struct particles *p = &sd->p;
+    const double *anchor = sd->anchors.item;
+    double started = clock_now(), most2 = 0.0, period[2], half[2];
+    *out = spread_none();
+    for (size_t a = 0; a < 2; a++) {
+        period[a] = g->periodic[a] ? g->size[a] : 0.0;
+        half[a] = g->periodic[a] ? 0.5 * g->size[a] : INFINITY;
+    }
+    for (size_t i = 0; i < p->n_own; i++) {
+        double d[2];
+        for (size_t a = 0; a < 2; a++) {
+            d[a] = lists_wrap(p->r[2 * i + a] - anchor[2 * i + a], period[a], half[a]);
+            out->low[a] = d[a] < out->low[a] ? d[a] : out->low[a];
+            out->high[a] = d[a] > out->high[a] ? d[a] : out->high[a];
+        }
+        double d2 = d[0] * d[0] + d[1] * d[1];
+        most2 = d2 > most2 ? d2 : most2;
+    }
+    out->most = sqrt(most2);
+    sd->times.integrate += clock_now() - started;
 }
 
 enum dm2_status subdomain_measure_last(struct subdomain *sd, struct measures *out, struct dm2_error *err)

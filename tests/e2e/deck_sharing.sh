@@ -36,6 +36,17 @@ for name in deck.dm2 ./deck.dm2 ../here/deck.dm2 "$PWD/deck.dm2" secret.dm2 link
     same_bytes ../own/final.dm2 ../none/final.dm2
 done
 
+# Nor one that includes what it must not reach: it is not even read, so the digests are not compared.
+cd ..
+sed '/^material/,/^}/d' here/deck.dm2 >here/split.dm2
+sed -n '/^material/,/^}/p' here/deck.dm2 >here/part.dm2
+echo 'include "part.dm2"' >>here/split.dm2
+cp here/split.dm2 there/
+echo '# a secret' >outside/part.dm2
+ln -s ../outside/part.dm2 there/part.dm2
+cd here || exit 1
+expect_status 0 "$client" split.dm2 -q --server "$SERVER_ADDR" -o ../split --steps 3
+
 # The command line's changes go with it, whoever reads the deck.
 cp deck.dm2 ../there/
 expect_status 0 "$client" deck.dm2 -q --server "$SERVER_ADDR" -o ../defined --steps 3 -D delta=0.02

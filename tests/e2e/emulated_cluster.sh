@@ -1,4 +1,5 @@
 # The emulated cluster: a run through it gives the same bits, and nothing is left behind, whatever happens.
+# timeout: 120
 . "$DM2_SRC/tests/lib.sh"
 script=$DM2_SRC/scripts/emulated-cluster
 export DM2_BIN

@@ -75,3 +75,8 @@ expect_status 2 "$client" "$deck" --server "$SERVER_ADDR" -o none --steps 11
 expect_text err 'the deck has 11 time steps, this server takes at most 10'
 expect_status 2 "$client" "$deck" --server "$SERVER_ADDR" -o none --steps 10
 expect_text err 'this server takes at most 100: dm2-server --max-elements N'
+grep -q 'the deck makes [0-9][0-9]* elements, ' err || fail 'the elements were not counted'
+# Far beyond, it is not even counted.
+sed -e 's/spacing = 0.07/spacing = 0.005/; s/radius = 0.02/radius = 0.002/; s/dt = 0.02 us/dt = 0.001 us/' "$deck" >many.dm2
+expect_status 2 "$client" many.dm2 --server "$SERVER_ADDR" -o none --steps 10
+expect_text err 'the deck makes about 1.92e+05 elements'

@@ -30,7 +30,7 @@ expect_status 0 "$DM2_BIN/dm2-seq" "$deck" --hash-every 50 --progress never -o h
 grep '^step' out >hashes
 [ "$(wc -l <hashes)" -eq 5 ] || fail "--hash-every 50 printed: $(cat out)"
 for search in lists cells; do
-    sed "s/delta_r = 0.01 cm/&; search = $search/" "$deck" >$search.dm2
+    sed "s/delta_r = 0.015 cm/&; search = $search/" "$deck" >$search.dm2
     grep -q "search = $search" $search.dm2 || fail "the deck has changed: no delta_r to put the search behind"
     expect_status 0 "$DM2_BIN/dm2-seq" $search.dm2 --hash-every 50 --progress never -o $search
     grep '^step' out >$search.hashes

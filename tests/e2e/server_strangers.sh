@@ -46,6 +46,12 @@ expect_status 0 "$DM2_BIN/dm2-client" "$deck" -q --server "$SERVER_ADDR" -o run 
 expect_status 0 "$DM2_BIN/dm2-seq" "$deck" -q -o seq --steps 5
 same_bytes seq/final.dm2 run/final.dm2
 
+# What a client calls its deck does nothing to the terminal that shows the log.
+odd=$(printf 'odd\033[1m\177.dm2')
+cp "$deck" "$odd"
+expect_status 0 "$DM2_BIN/dm2-client" "$odd" -q --server "$SERVER_ADDR" -o odd --steps 3 --send-deck
+expect_text "$SERVER_LOG" 'done: odd [1m .dm2, rank 0 of 1'
+
 # A server ends when it is asked to, also while a client that says nothing holds it.
 stop_server "$SERVER_PID"
 [ "$SERVER_STATUS" -eq 0 ] || fail "a server that was asked to end exits with $SERVER_STATUS"

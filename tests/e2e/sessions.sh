@@ -4,9 +4,9 @@
 [ -r /proc/self/status ] && [ -d /proc/self/fd ] || skip "this system has no /proc to read descriptors and memory from"
 deck=$DM2_SRC/tests/decks/run/scatter.dm2
 
-descriptors()
+descriptors() # Linux shows those of a process that leaves no core to root alone; test_strangers counts them for everybody
 {
-    ls "/proc/$SERVER_PID/fd" | wc -l
+    if [ -r "/proc/$SERVER_PID/fd" ]; then ls "/proc/$SERVER_PID/fd" | wc -l; else echo unknown; fi
 }
 memory() # resident, kB
 {
@@ -34,7 +34,7 @@ while [ "$count" -lt 100 ]; do
     esac
 done
 session # the one before it is over for certain
-[ "$(descriptors)" -eq "$fds" ] || fail "$(descriptors) descriptors, $fds before"
+[ "$(descriptors)" = "$fds" ] || fail "$(descriptors) descriptors, $fds before"
 after=$(memory)
 [ "$FLAVOUR" = asan ] || [ "$after" -le $((before + 1024)) ] || fail "$after kB, $before kB before"
 [ "$(grep -c ' done: ' "$SERVER_LOG")" -ge 85 ] || fail "not every session is in the log"

@@ -153,6 +153,8 @@ static inline void engine_rebuild(struct engine *g)
 static inline enum dm2_status engine_move(struct engine *g, struct measures *out)
 {
     double dmax = 0.0;
+    bool survey = rebuild_plan_survey(&g->plan);
+    struct spread spread = spread_none();
     if (out != NULL)
         measures_clear(out);
     for (int r = 0; r < g->map.ranks; r++) {
@@ -162,10 +164,15 @@ static inline enum dm2_status engine_move(struct engine *g, struct measures *out
         if (status != DM2_OK)
             return status;
         dmax = moved > dmax ? moved : dmax;
+        if (survey) {
+            struct spread own;
+            subdomain_survey(g->sd[r], &own);
+            spread_merge(&spread, &own);
+        }
         if (out != NULL)
             measures_merge(out, &part);
     }
-    if (rebuild_plan_step(&g->plan, dmax))
+    if (rebuild_plan_step(&g->plan, dmax, survey ? &spread : NULL))
         engine_rebuild(g);
     else
         engine_update(g);

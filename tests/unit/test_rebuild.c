@@ -8,12 +8,12 @@ TEST(lists_last_while_twice_dumax_is_within_the_margin)
     struct config c = {.delta_r = 1.0};
     struct rebuild_plan plan;
     rebuild_plan_start(&plan, &c);
-    CHECK(!rebuild_plan_step(&plan, 0.25));
-    CHECK(!rebuild_plan_step(&plan, 0.25)); /* 2 * 0.5 = dR: still valid */
-    CHECK(rebuild_plan_step(&plan, 1e-9));
+    CHECK(!rebuild_plan_step(&plan, 0.25, NULL));
+    CHECK(!rebuild_plan_step(&plan, 0.249, NULL)); /* 2 * 0.499 < dR: still valid */
+    CHECK(rebuild_plan_step(&plan, 0.002, NULL));
     rebuild_plan_done(&plan);
-    CHECK(!rebuild_plan_step(&plan, 0.5));
-    CHECK(rebuild_plan_step(&plan, 0.5));
+    CHECK(!rebuild_plan_step(&plan, 0.499, NULL));
+    CHECK(rebuild_plan_step(&plan, 0.499, NULL));
 }
 
 TEST(every_k_steps_as_well)
@@ -23,7 +23,7 @@ TEST(every_k_steps_as_well)
     rebuild_plan_start(&plan, &c);
     for (int k = 1; k <= 9; k++) {
         bool expected = rebuild_plan_expected(&plan);
-        bool due = rebuild_plan_step(&plan, 0);
+        bool due = rebuild_plan_step(&plan, 0, NULL);
         CHECK_EQ_INT(due, k % 3 == 0);
         CHECK_EQ_INT(expected, due);
         if (due)
@@ -37,9 +37,9 @@ TEST(cells_alone_rebuild_every_step)
     struct rebuild_plan plan;
     rebuild_plan_start(&plan, &c);
     CHECK(rebuild_plan_expected(&plan));
-    CHECK(rebuild_plan_step(&plan, 0));
+    CHECK(rebuild_plan_step(&plan, 0, NULL));
     rebuild_plan_done(&plan);
-    CHECK(rebuild_plan_step(&plan, 0));
+    CHECK(rebuild_plan_step(&plan, 0, NULL));
 }
 
 TEST(the_guess_looks_one_step_ahead)
@@ -48,9 +48,9 @@ TEST(the_guess_looks_one_step_ahead)
     struct rebuild_plan plan;
     rebuild_plan_start(&plan, &c);
     CHECK(!rebuild_plan_expected(&plan));  /* nothing moved yet */
-    CHECK(!rebuild_plan_step(&plan, 0.2)); /* 2 * (0.2 + 0.3) = 1 */
+    CHECK(!rebuild_plan_step(&plan, 0.19, NULL)); /* 2 * (0.19 + 0.285) < 1 */
     CHECK(!rebuild_plan_expected(&plan));
-    CHECK(!rebuild_plan_step(&plan, 0.2)); /* 2 * (0.4 + 0.3) > 1 */
+    CHECK(!rebuild_plan_step(&plan, 0.2, NULL)); /* 2 * (0.39 + 0.3) > 1 */
     CHECK(rebuild_plan_expected(&plan));
 }
 
@@ -59,8 +59,48 @@ TEST(nonsense_rebuilds)
     struct config c = {.delta_r = 1.0};
     struct rebuild_plan plan;
     rebuild_plan_start(&plan, &c);
-    CHECK(rebuild_plan_step(&plan, NAN));
+    CHECK(rebuild_plan_step(&plan, NAN, NULL));
 }
 
-TEST_MAIN(CASE(lists_last_while_twice_dumax_is_within_the_margin), CASE(every_k_steps_as_well),
+static struct spread spread_of(double x0, double y0, double x1, double y1, double most)
+{
+    return (struct spread){.low = {x0, y0}, .high = {x1, y1}, .most = most};
+}
+
+TEST(a_pair_approaches_by_no_more_than_box_and_circle_allow)
+{
+    struct spread none = spread_none(), random = spread_of(-1, -1, 1, 1, 1.1), flyer = spread_of(0, 0, 3, 0, 3),
+                  whole = spread_of(5, 5, 5, 5, 8);
+    CHECK_SAME_BITS(spread_approach(&none), 0.0);
+    CHECK_SAME_BITS(spread_approach(&random), 2.2);
+    CHECK_SAME_BITS(spread_approach(&flyer), 3.0);
+    CHECK_SAME_BITS(spread_approach(&whole), 0.0);
+    spread_merge(&none, &flyer);
+    CHECK_SAME_BITS(spread_approach(&none), 3.0);
+    spread_merge(&flyer, &random);
+    CHECK(flyer.low[0] == -1 && flyer.low[1] == -1 && flyer.high[0] == 3 && flyer.high[1] == 1 && flyer.most == 3);
+}
+
+TEST(a_survey_lowers_the_bound_and_never_raises_it)
+{
+    struct config c = {.delta_r = 1.0};
+    struct spread whole = spread_of(0.3, 0, 0.35, 0, 0.35), wide = spread_of(-0.6, 0, 0.6, 0, 0.6);
+    struct rebuild_plan plan;
+    rebuild_plan_start(&plan, &c);
+    CHECK(!rebuild_plan_survey(&plan));
+    CHECK(!rebuild_plan_step(&plan, 0.1, NULL)); /* 0.2 + 2 * 0.3 < 1 */
+    CHECK(!rebuild_plan_survey(&plan));
+    CHECK(!rebuild_plan_step(&plan, 0.15, NULL)); /* 0.5 + 0.45 < 1 < 0.5 + 2 * 0.45 */
+    CHECK(rebuild_plan_survey(&plan) && !rebuild_plan_expected(&plan));
+    CHECK(!rebuild_plan_step(&plan, 0.1, &whole));
+    CHECK(!rebuild_plan_survey(&plan) && !rebuild_plan_expected(&plan));
+    CHECK_NEAR(plan.approach, 0.05, 1e-15);
+    CHECK(!rebuild_plan_step(&plan, 0.1, &wide)); /* 0.05 + 0.2 is known to be enough */
+    CHECK_NEAR(plan.approach, 0.25, 1e-15);
+    CHECK(rebuild_plan_step(&plan, 0.5, &wide)); /* both are beyond dR */
+    CHECK(rebuild_plan_expected(&plan) && !rebuild_plan_survey(&plan));
+}
+
+TEST_MAIN(CASE(a_pair_approaches_by_no_more_than_box_and_circle_allow), CASE(a_survey_lowers_the_bound_and_never_raises_it),
+          CASE(lists_last_while_twice_dumax_is_within_the_margin), CASE(every_k_steps_as_well),
           CASE(cells_alone_rebuild_every_step), CASE(the_guess_looks_one_step_ahead), CASE(nonsense_rebuilds))

@@ -5,6 +5,7 @@
 #include <dirent.h>
 #include <poll.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/types.h>
 #include <sys/wait.h>
@@ -34,7 +35,8 @@ static void no_log(void *context, enum server_event event, const char *peer, con
     (void)line;
 }
 
-static void start_server(void)
+/* It may open so many descriptors besides its listener; 0: as many as this process. */
+static void start_server(int descriptors)
 {
     char bound[SOCKET_NAME];
     int listener = -1;
@@ -47,6 +49,9 @@ static void start_server(void)
         const struct server_options options = {
             .deck_dir = ".", .version = "test", .handshake = HANDSHAKE, .timeout = 5, .cancel = -1, .key = &KEY};
         struct dm2_error err = {0};
+        const struct rlimit most = {(rlim_t)(listener + 1 + descriptors), (rlim_t)(listener + 1 + descriptors)};
+        if (descriptors > 0 && setrlimit(RLIMIT_NOFILE, &most) != 0)
+            _exit(1);
         socket_ignore_sigpipe();
         (void)server_serve(listener, &options, false, no_log, NULL, &err);
         _exit(0);
@@ -132,9 +137,8 @@ static int server_descriptors(void)
     return n;
 }
 
-/* A friend is welcome. Returns the descriptors that the server has while it serves him: whatever was before is closed
- * then. */
-static int visit(void)
+/* A friend is welcome; the server serves him until he closes. */
+static struct channel begin_session(void)
 {
     struct channel ch;
     struct frame f = {0};
@@ -144,9 +148,24 @@ static int visit(void)
     CHECK_EQ_INT(channel_send(&ch, MESSAGE_HELLO, 0, w.data, w.length, soon(), NULL), DM2_OK);
     CHECK_EQ_INT(channel_receive(&ch, LIMIT_HELLO, soon(), &f, NULL), DM2_OK);
     CHECK_EQ_INT(f.type, MESSAGE_WELCOME);
+    bytes_free(&w);
+    return ch;
+}
+
+/* The friend who is served says something and is answered. */
+static bool is_served(struct channel *ch)
+{
+    struct frame f;
+    return channel_send(ch, MESSAGE_ECHO, 0, "x", 1, soon(), NULL) == DM2_OK &&
+           channel_receive(ch, LIMIT_SMALL, soon(), &f, NULL) == DM2_OK && f.type == MESSAGE_ECHO;
+}
+
+/* Returns the descriptors that the server has while it serves a friend: whatever was before is closed then. */
+static int visit(void)
+{
+    struct channel ch = begin_session();
     int descriptors = server_descriptors();
     channel_close(&ch);
-    bytes_free(&w);
     return descriptors;
 }
 
@@ -276,6 +295,62 @@ TEST(a_silent_crowd_is_sent_away)
     CHECK_EQ_INT(visit(), fds);
 }
 
+/* While a session lasts those who look like clients do not keep out who asks for the status, and lose their places where they
+ * say no more or close. */
+TEST(a_crowd_does_not_silence_a_busy_server)
+{
+    const struct frame_header h = {.version = PROTOCOL_VERSION, .type = MESSAGE_KNOCK, .length = AUTH_NONCE};
+    const unsigned char nonce[AUTH_NONCE] = {1};
+    unsigned char head[FRAME_HEADER], got[256];
+    int fd[LOBBY_MOST], fds = visit();
+    struct channel served = begin_session(), asker;
+    frame_header_encode(&h, head);
+    for (int k = 0; k < LOBBY_MOST; k++) {
+        struct iovec part = {head, 7};
+        fd[k] = connected();
+        CHECK_EQ_INT(socket_write_all(fd[k], &part, 1, soon(), NULL), DM2_OK);
+    }
+    channel_open(&asker, connected(), PROTOCOL_VERSION, "the server");
+    CHECK_EQ_INT(channel_send(&asker, MESSAGE_STATUS, 0, nonce, AUTH_NONCE, soon(), NULL), DM2_OK);
+    CHECK(take(&asker, MESSAGE_CHALLENGE, got, AUTH_NONCE));
+    channel_close(&asker);
+    CHECK(is_served(&served));
+    for (int k = 0; k < LOBBY_MOST; k++) {
+        CHECK(rest_of(fd[k], got, sizeof got) > 0); /* the refusal */
+        socket_close(fd[k]);
+    }
+    CHECK(is_served(&served));
+    for (int k = 0; k < LOBBY_CLIENTS; k++) {
+        struct channel ch = knock_on(nonce);
+        channel_close(&ch);
+    }
+    for (double end = clock_now() + 3; server_descriptors() != fds && clock_now() < end;)
+        CHECK(is_served(&served));
+    CHECK_EQ_INT(server_descriptors(), fds);
+    CHECK(is_served(&served));
+    channel_close(&served);
+    (void)visit();
+}
+
+/* A server that has no descriptor for those who come serves whom it has, and the next one. */
+TEST(a_shortage_of_descriptors)
+{
+    enum { CROWD = 12, ROOM = 8 };
+    int fd[CROWD];
+    start_server(ROOM);
+    struct channel served = begin_session();
+    for (int k = 0; k < CROWD; k++)
+        fd[k] = connected();
+    for (int k = 0; k < 2 * CROWD; k++) /* each time the server may take one */
+        CHECK(is_served(&served));
+    for (int k = 0; k < CROWD; k++)
+        socket_close(fd[k]);
+    channel_close(&served);
+    (void)visit();
+    CHECK_EQ_INT(waitpid(server_id, NULL, WNOHANG), 0);
+    end_server();
+}
+
 TEST(another_key_is_refused)
 {
     struct channel ch;
@@ -397,10 +472,11 @@ TEST(nonsense_from_a_friend)
 static void run_started(void)
 {
     socket_ignore_sigpipe();
-    start_server();
+    start_server(0);
     test_scanners_and_noise();
     test_slow_strangers_are_cut_off();
     test_a_silent_crowd_is_sent_away();
+    test_a_crowd_does_not_silence_a_busy_server();
     test_a_code_for_another_purpose_is_refused();
     test_another_key_is_refused();
     test_a_recorded_handshake_is_refused();
@@ -418,4 +494,4 @@ TEST(a_server_among_strangers)
     run_started();
 }
 
-TEST_MAIN(CASE(a_server_among_strangers))
+TEST_MAIN(CASE(a_server_among_strangers), CASE(a_shortage_of_descriptors))

@@ -367,6 +367,31 @@ TEST(any_number_of_ranks_gives_the_same_bits)
 
 /* --- memory of pairs ---------------------------------------------------------------------------------------------- */
 
+/* Elements that fly as one never come closer: nothing is rebuilt, however far they go and through whichever boundary; one
+ * that meets them is found. */
+TEST(motion_as_a_whole_needs_no_rebuild)
+{
+    static const struct shape_case shape = {"periodic", "w=14.3", "h=14.3", "boundary = periodic periodic;", 9};
+    for (int ranks = 1; ranks <= 9; ranks += 8) {
+        struct engine g;
+        load(&g, far_deck, &shape, "cells+lists", ranks);
+        double radius = g.deck.config.bodies[0].radius, dt = g.deck.config.dt;
+        struct element e[3] = {{.id = 0, .radius = radius, .mass = 1, .r = {1, 2}, .v = {0.0203 / dt, 0.016 / dt}},
+                               {.id = 1, .radius = radius, .mass = 1, .r = {9, 2}, .v = {0.0203 / dt, 0.016 / dt}},
+                               {.id = 2, .radius = radius, .mass = 1, .r = {5, 9}, .v = {0.0203 / dt, 0.016 / dt}}};
+        struct engine_state s = {.e = e, .n = 3};
+        engine_restore(&g, 1, &s);
+        engine_run(&g, 500); /* 10 cm */
+        CHECK_EQ_INT(g.rebuilds, 0);
+        e[2].v[0] = -e[2].v[0];
+        engine_restore(&g, 1, &s);
+        engine_run(&g, 60); /* 2.4 cm apart: 8 times dR */
+        CHECK_REPORT(g.rebuilds >= 7, "%zu rebuilds", g.rebuilds);
+        CHECK_REPORT(g.rebuilds <= 8, "%zu rebuilds", g.rebuilds);
+        engine_stop(&g);
+    }
+}
+
 /* Two linked elements whose pair has a stretch and a spring fly through every rank: the memory stays theirs. Far
  * beyond the reach of contact the link alone keeps the pair. */
 TEST(pair_memory_travels_with_migrants)
@@ -380,6 +405,7 @@ TEST(pair_memory_travels_with_migrants)
     replace(text, sizeof text, "k = 40;", "k = 1e-9;"); /* too soft to do anything in this time */
     replace(text, sizeof text, "link_break = 1.1", "link_break = 1.4");
     replace(text, sizeof text, "r_c = 1.3", "r_c = 1.6");
+    replace(text, sizeof text, "delta_r = 0.3", "delta_r = 0.3; rebuild_every = 3"); /* their motion alone, as one, asks for none */
     const char *defines[] = {shape.w, shape.h, NULL};
     engine_load(&g, text, defines, 9);
     double radius = g.deck.config.bodies[0].radius;
@@ -446,5 +472,5 @@ TEST(a_force_out_of_range_names_the_elements_and_the_step)
 }
 
 TEST_MAIN(CASE(near_pairs_as_all_pairs_find_them), CASE(far_pairs_as_all_pairs_find_them),
-          CASE(any_number_of_ranks_gives_the_same_bits), CASE(pair_memory_travels_with_migrants),
+          CASE(any_number_of_ranks_gives_the_same_bits), CASE(motion_as_a_whole_needs_no_rebuild), CASE(pair_memory_travels_with_migrants),
           CASE(a_force_out_of_range_names_the_elements_and_the_step))

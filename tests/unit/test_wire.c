@@ -196,6 +196,8 @@ TEST(a_step_message_round_trip)
                                .busy = 0.001,
                                .measured = true,
                                .hashed = true,
+                               .surveyed = true,
+                               .spread = {.low = {-1.5, INFINITY}, .high = {2.5, -INFINITY}, .most = 3.5},
                                .measures = some_measures(),
                                .hash = 0xfeedU,
                                .n_segments = 0},
@@ -207,6 +209,7 @@ TEST(a_step_message_round_trip)
     CHECK(in.step == 12 && in.rebuild && in.owned == 40 && in.migrants == 2 && in.measured && in.hashed &&
           in.hash == 0xfeedU);
     CHECK_SAME_BITS(in.dmax, 0.5);
+    CHECK(in.surveyed && memcmp(&in.spread, &out.spread, sizeof in.spread) == 0);
     CHECK(memcmp(&in.measures.kinetic, &out.measures.kinetic, sizeof in.measures.kinetic) == 0);
     CHECK(memcmp(&in.measures.probe, &out.measures.probe, sizeof in.measures.probe) == 0);
     CHECK_SAME_BITS(in.measures.p_min, INFINITY);
@@ -215,7 +218,17 @@ TEST(a_step_message_round_trip)
         message_get_step(&r, &in);
         CHECK(r.failed);
     }
+    const struct spread wrong[] = {{.low = {NAN, 0}}, {.high = {0, NAN}}, {.low = {1, 0}}, {.most = -1}};
+    for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; k++) {
+        bytes_clear(&w);
+        out.spread = wrong[k];
+        message_put_step(&w, &out);
+        r = bytes_reader_of(w.data, w.length);
+        message_get_step(&r, &in);
+        CHECK(r.failed);
+    }
     bytes_clear(&w);
+    out.surveyed = false;
     out.dmax = NAN;
     message_put_step(&w, &out);
     r = bytes_reader_of(w.data, w.length);
@@ -309,11 +322,11 @@ TEST(the_small_messages)
     CHECK(!r.failed && hello_in.fingerprint == 42);
     CHECK_STR(hello_in.version, "1.2");
     bytes_clear(&w);
-    struct next_message next = {.step = 3, .redo = true}, next_in;
+    struct next_message next = {.step = 3, .redo = true, .survey_next = true}, next_in;
     message_put_next(&w, &next);
     r = bytes_reader_of(w.data, w.length);
     message_get_next(&r, &next_in);
-    CHECK(bytes_done(&r) && next_in.redo && !next_in.rebuild_next && next_in.step == 3);
+    CHECK(bytes_done(&r) && next_in.redo && !next_in.rebuild_next && next_in.survey_next && next_in.step == 3);
     bytes_clear(&w);
     struct done_message done = {.measures = some_measures(), .times = {.forces = 1.5, .bytes_out = 77}},
                         done_in;

@@ -3,8 +3,9 @@
  *
  * A server serves one session at a time. Connections that come meanwhile are taken and looked at: one that asks for the
  * status is answered on the spot, one of a client waits for its turn, one that says nothing for too long or is none of
- * dm2's is closed. At most LOBBY_MOST are inside, the others are left in the listen backlog. Nothing here waits for
- * anybody: a session is not held up by those who stand outside. */
+ * dm2's is closed. At most LOBBY_MOST are inside, the others are left in the listen backlog. While the server is busy at
+ * most LOBBY_CLIENTS of them are clients: further ones are sent away. Nothing here waits for anybody: a session is not held
+ * up by those who stand outside. */
 #ifndef DM2_DIST_LOBBY_H
 #define DM2_DIST_LOBBY_H
 
@@ -18,7 +19,7 @@
 #include "dm2/net/frame.h"
 #include "dm2/net/socket.h"
 
-enum { LOBBY_MOST = 16 };
+enum { LOBBY_MOST = 16, LOBBY_CLIENTS = 12 }; /* the others' places are for who asks for the status */
 
 enum visitor_kind {
     VISITOR_NEW,    /* has not said yet what it wants */
@@ -31,7 +32,9 @@ struct visitor {
     struct channel channel; /* its name is the peer */
     enum visitor_kind kind;
     bool vague;   /* has sent too little to tell: looked at again soon */
-    double until; /* a time of clock_now(): what it wants must be clear by then */
+    bool whole;   /* a client's first message is there to its end */
+    bool gone;    /* a client that has closed */
+    double until; /* a time of clock_now(): all that it wants must have been said by then */
     struct auth_nonces nonces;
 };
 
@@ -50,6 +53,7 @@ struct lobby {
     struct lobby_business business;
     struct visitor visitors[LOBBY_MOST]; /* in the order in which they came */
     size_t n;
+    double deaf_until; /* a time of clock_now(): no connection is taken before, since one could not be */
     struct bytes_writer out;
 };
 

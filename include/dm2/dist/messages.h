@@ -17,8 +17,9 @@
 #include "dm2/net/frame.h"
 #include "dm2/sim/deck.h"
 #include "dm2/sim/measures.h"
+#include "dm2/sim/rebuild.h"
 
-enum { PROTOCOL_VERSION = 6 };
+enum { PROTOCOL_VERSION = 7 };
 
 enum { DEFAULT_PORT = 4702 }; /* of a server; the one place where it is written */
 
@@ -100,6 +101,8 @@ struct step_message {
     double busy;       /* seconds of work since the last message */
     bool measured;     /* measures (of state step - 1) are there */
     bool hashed;
+    bool surveyed; /* the spread is there */
+    struct spread spread;
     struct measures measures;
     uint64_t hash; /* of the server's part of the state `step` */
     uint32_t n_segments;
@@ -110,6 +113,7 @@ struct next_message {
     bool redo;         /* no segments: send the same step again as a rebuild */
     bool rebuild_next; /* the next step ends with a rebuild */
     bool copy_next;    /* the state comes with the next step */
+    bool survey_next;  /* the spread comes with the next step */
     uint32_t n_segments;
 };
 

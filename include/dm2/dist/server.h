@@ -15,11 +15,11 @@ struct server_options {
     const char *version;  /* of the program, for HELLO */
     double handshake;     /* seconds in which a client must have proved the key and said HELLO */
     double timeout;       /* seconds of silence after which a client is given up; a longer one of the client's
-                             counts twice */
+                             counts twice, up to ten times this one */
     int cancel;           /* readable when the process is asked to end; -1: none */
     const struct auth_key *key;     /* that a client must have; NULL: none */
     const struct allow_list *allow; /* who may connect; NULL: everybody */
-    uint64_t max_elements;          /* of a deck, */
+    uint64_t max_elements;          /* of a deck, which also limit its cells and sites; */
     int64_t max_steps;              /* and its time steps; 0: any */
 };
 

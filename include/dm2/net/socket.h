@@ -6,6 +6,7 @@
 #ifndef DM2_NET_SOCKET_H
 #define DM2_NET_SOCKET_H
 
+#include <poll.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <sys/types.h>
@@ -26,11 +27,23 @@ struct deadline {
     int cancel;
 };
 
+/* For poll: the peer has ended its stream, also where bytes of it still wait to be read. Linux has this event and hides it
+ * from POSIX programs (POLLRDHUP); elsewhere poll tells of broken connections alone. */
+#if defined(__linux__) && !defined(__sparc__)
+enum { SOCKET_ENDED = 0x2000 };
+#else
+enum { SOCKET_ENDED = 0 };
+#endif
+
 /* `seconds` from now. */
 struct deadline deadline_in(double seconds, int cancel);
 
 /* A write to a closed connection is an error code, not a signal. */
 void socket_ignore_sigpipe(void);
+
+/* poll(), except that it looks for up to 50 us, letting other processes run in between, before it sleeps: what is awaited in a
+ * time step mostly comes sooner than a sleeping process wakes up. Arguments, return value and errno as poll() has them. */
+int socket_poll(struct pollfd *polls, nfds_t n, int timeout);
 
 /* Waits until `fd` can do `events` (POLLIN, POLLOUT). DM2_TIMEOUT, DM2_INTERRUPTED, DM2_NET; *err says only
  * what happened, the caller knows to whom. */
@@ -45,8 +58,9 @@ enum dm2_status socket_listen(const char *address, int port, int *fd, char bound
 enum dm2_status socket_is_loopback(const char *address, int *loopback, struct dm2_error *err);
 
 /* Takes the next connection. *peer gets "addr:port". Failures of one connection (it went away before it was
- * taken) are not the listener's: such a call gives DM2_OK and *fd = -1. DM2_TIMEOUT, DM2_INTERRUPTED,
- * DM2_NET. */
+ * taken) and shortages of this machine (descriptors, memory) are not the listener's: such a call gives DM2_OK and
+ * *fd = -1. In a shortage the connection is still there: wait a little before the next try. DM2_TIMEOUT,
+ * DM2_INTERRUPTED, DM2_NET. */
 enum dm2_status socket_accept(int listener, struct deadline until, int *fd, char peer[SOCKET_NAME],
                               struct dm2_error *err);
 

@@ -14,8 +14,17 @@
 
 struct model; /* completed in dm2/sim/tables.h for the engine; the accessors below are what other layers need */
 
+/* What a deck asks for, from its areas alone: to be looked at before anything is made of it. */
+struct model_estimate {
+    double elements; /* area of the bodies over that of an element: voids and pores are not taken off */
+    double places;   /* lattice sites and grains that are gone through to make them */
+    double cells;    /* of the grid */
+};
+struct model_estimate model_estimate(const struct config *config);
+
 /* Works out the tables. The config is borrowed for the life of the model. DM2_DECK with the reason: r_c below the
- * contact distance or a law that cannot be calibrated. */
+ * contact distance, a law that cannot be calibrated, a powder that cannot be packed, a time step that is not stable; the
+ * last two with their place in the deck (config_fail). */
 enum dm2_status model_build(const struct config *config, struct model **out, struct dm2_error *err);
 void model_free(struct model *model);
 

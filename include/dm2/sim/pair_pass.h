@@ -27,6 +27,7 @@ struct pass {
     struct exact_sum potential, elastic;
     uint32_t bad_i, bad_j; /* a pair out of range, if any */
     bool bad, no_memory;
+    bool plain; /* take no fast path: the check of the debug flavour */
 };
 
 static inline void note_bad(struct pass *pass, uint32_t i, uint32_t j)
