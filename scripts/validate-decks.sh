@@ -15,8 +15,8 @@ Whole runs at full size. *Off by* is the largest difference of `total` from its 
 the share is of the largest kinetic energy or work, in g cm2/us2. 1, 2, 4 and 7 servers left the same `final.dm2` and
 `history.csv` as `dm2-seq`, byte for byte.
 
-| deck | elements | steps | kinetic or work | off by | share |
-|---|---|---|---|---|---|
+| deck | elements | steps | rows | kinetic or work | off by | share |
+|---|---|---|---|---|---|---|
 END
 for deck in hmx-powder shear-band granular-shear cu-polycrystal plate-impact spall phase-front sliding-block; do
     "$bin/dm2-seq" "${DM2_SRC:-.}/input/$deck.dm2" -q -o "$work/one" --overwrite
@@ -25,7 +25,8 @@ for deck in hmx-powder shear-band granular-shear cu-polycrystal plate-impact spa
         { d = $at["total"] - first; if (d < 0) d = -d; if (d > off) off = d
           if ($at["kinetic"] > most) most = $at["kinetic"]; if ($at["work"] > most) most = $at["work"]
           steps = $at["step"]; elements = $at["elements"] }
-        END { printf "| %s | %d | %d | %.3g | %.2g | %.3f %% |\n", deck, elements, steps, most, off, 100 * off / most
+        END { printf "| %s | %d | %d | %d | %.3g | %.2g | %.3f %% |\n", deck, elements, steps, NR - 1, most, off,
+                  100 * off / most
               exit !(most > 0 && off <= 0.01 * most) }' "$work/one/history.csv" ||
         { echo "validate-decks.sh: $deck: the energy book does not close" >&2; exit 1; }
     for n in 1 2 4 7; do

@@ -150,6 +150,16 @@ static enum dm2_status read_restart(const struct run_options *o, struct run *run
     return dm2_fail(err, status, "%s", why.text);
 }
 
+/* What the deck is refused for when its elements are made is told as all else that is wrong with it. */
+static enum dm2_status build_model(const struct run_options *o, struct run *run, struct dm2_error *err)
+{
+    enum dm2_status status = model_build(&run->config, &run->model, err);
+    if (status != DM2_DECK)
+        return status;
+    (void)fprintf(stderr, "%s\n", err->text);
+    return dm2_fail(err, status, "%s: 1 error", o->deck);
+}
+
 enum dm2_status run_load(const struct run_options *o, struct run *run, struct dm2_error *err)
 {
     struct deck_report report = {0};
@@ -172,7 +182,7 @@ enum dm2_status run_load(const struct run_options *o, struct run *run, struct dm
         deck_report_free(&report);
     }
     if (status == DM2_OK)
-        status = model_build(&run->config, &run->model, err);
+        status = build_model(o, run, err);
     if (status == DM2_OK && o->restart != NULL)
         status = read_restart(o, run, err);
     if (status != DM2_OK)

@@ -2,6 +2,7 @@
  * wins field by field, so that `interface body { linked = no }` changes nothing else. */
 #include "dm2/sim/config.h"
 
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -66,8 +67,24 @@ const char *config_kind_name(const struct config *c, size_t kind, struct kind_na
     return out->text;
 }
 
+enum dm2_status config_fail(const char *place, struct dm2_error *err, enum dm2_status status, const char *format, ...)
+{
+    char message[400];
+    va_list args;
+    va_start(args, format);
+    (void)vsnprintf(message, sizeof message, format, args);
+    va_end(args);
+    if (place == NULL)
+        return dm2_fail(err, status, "%s", message);
+    int where = (int)strcspn(place, "\n");
+    return dm2_fail(err, status, "%.*s: error: %s%s", where, place, message, place + where);
+}
+
 void config_free(struct config *c)
 {
+    for (size_t i = 0; i < c->n_bodies; i++)
+        free(c->bodies[i].packing_place);
+    free(c->dt_place);
     free(c->materials);
     free(c->phases);
     free(c->reactions);

@@ -398,6 +398,8 @@ static bool bind_bodies(struct deck_binding *b)
                 body->lattice == LATTICE_HEXAGONAL ? body->spacing * 0.86602540378443864676 : body->spacing;
         if (entry_of(b, block, "radius") == NULL)
             body->radius = body->spacing / 2;
+        if (binding_given(b, block, "solid_fraction"))
+            body->packing_place = findings_place(b->findings, binding_place(b, block, "solid_fraction", 0));
     }
     return n == 0 || name_things(b, b->body_block, n, c->bodies[0].name, sizeof *c->bodies);
 }
@@ -560,6 +562,8 @@ bool deck_bind(struct deck_binding *b, int64_t steps)
               bind_voids(b) && bind_flaws(b) && bind_probes(b);
     bind_single(b, BLOCK_DOMAIN);
     bind_single(b, BLOCK_TIME);
+    if (binding_given(b, b->single[BLOCK_TIME], "dt"))
+        c->dt_place = findings_place(b->findings, binding_place(b, b->single[BLOCK_TIME], "dt", 0));
     bind_single(b, BLOCK_OUTPUT);
     check_missing_blocks(b);
     if (steps >= 0)

@@ -131,6 +131,18 @@ static void check_calibration(const struct pair_check *p)
     }
 }
 
+/* What bounds a stiffness that is not there. */
+static void check_yield(const struct pair_check *p)
+{
+    int m = p->materials[0];
+    size_t block = p->b->material_block[m];
+    if (p->materials[1] == m && !set(p, "kt_ratio") && p->b->config->materials[m].yield > 0 &&
+        binding_given(p->b, block, "yield") && binding_missing(p->b, block, "shear"))
+        findings_warn(p->b->findings, binding_place(p->b, block, "yield", 0),
+                      "'yield' bounds the shear stiffness, and without 'shear' (or 'kt_ratio' in the interaction) '%s' "
+                      "has none", p->b->config->materials[m].name);
+}
+
 static void check_ranges(const struct pair_check *p)
 {
     const struct config *c = p->b->config;
@@ -157,6 +169,7 @@ static void check_pair(const struct deck_binding *b, int m, int n, enum relation
     check_potential(&p);
     check_calibration(&p);
     check_ranges(&p);
+    check_yield(&p);
 }
 
 struct usage {

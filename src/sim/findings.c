@@ -207,27 +207,51 @@ static void put_line(struct output *out, const char *text, size_t length, size_t
     put_caret(out, text, from, at, to);
 }
 
-static void put_finding(struct output *out, const struct findings *f, const struct finding *item)
+/* Where a thing stands: "file:line:column", and the start of that line. */
+static size_t put_where(struct output *out, const struct findings *f, struct deck_place place)
 {
     size_t length, start = 0, column = 1;
-    const char *text = text_bytes(f->source, item->place.text, &length);
+    const char *text = text_bytes(f->source, place.text, &length);
     unsigned long line = 1;
-    for (size_t i = 0; i < item->place.offset; i++) {
+    for (size_t i = 0; i < place.offset; i++) {
         if (text[i] == '\n') {
             line++;
             start = i + 1;
         }
     }
-    for (size_t i = start; i < item->place.offset; i++)
+    for (size_t i = start; i < place.offset; i++)
         column += is_continuation(text[i]) ? 0u : 1u;
-    const char *name = text_name(f->source, item->place.text);
-    char where[80];
-    (void)snprintf(where, sizeof where, ":%lu:%zu: %s: ", line, column, item->is_error ? "error" : "warning");
+    const char *name = text_name(f->source, place.text);
+    char where[60];
+    (void)snprintf(where, sizeof where, ":%lu:%zu", line, column);
     put_printable(out, name, strlen(name), false);
     put_text(out, where);
+    return start;
+}
+
+static void put_finding(struct output *out, const struct findings *f, const struct finding *item)
+{
+    size_t length, start = put_where(out, f, item->place);
+    const char *text = text_bytes(f->source, item->place.text, &length);
+    put_text(out, item->is_error ? ": error: " : ": warning: ");
     put_printable(out, item->message, strlen(item->message), false);
     put_text(out, "\n");
     put_line(out, text, length, start, item->place);
+}
+
+char *findings_place(const struct findings *f, struct deck_place place)
+{
+    struct output out = {0};
+    size_t length, start = put_where(&out, f, place);
+    const char *text = text_bytes(f->source, place.text, &length);
+    put_text(&out, "\n");
+    put_line(&out, text, length, start, place);
+    if (out.failed) {
+        free(out.text);
+        return NULL;
+    }
+    out.text[out.used - 1] = '\0'; /* its last newline */
+    return out.text;
 }
 
 static bool comes_after(const struct finding *a, const struct finding *b)

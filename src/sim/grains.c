@@ -487,8 +487,8 @@ static enum dm2_status pack(const struct body_config *body, uint32_t first, stru
     }
     bins_free(&bins);
     if (worst > left_over * body->grain_size)
-        return dm2_fail(
-            err, DM2_DECK,
+        return config_fail(
+            body->packing_place, err, DM2_DECK,
             "the powder of the body '%s' cannot be packed to a solid fraction of %g: after %d sweeps grains "
             "still overlap by %.2g of their size; discs reach about 0.8, polygons about 0.6: choose less",
             body->name, body->solid_fraction, most, worst / body->grain_size);

@@ -1,7 +1,7 @@
 /* Decks as files: every deck of tests/decks/bad gives the report beside it, byte for byte; those of
  * tests/decks/good and input/ load (good ones with the warnings beside them, if any); and no mutation of them
  * makes the reader crash.
- * Bad decks that read well are refused when the model is built from them.
+ * Bad decks that read well are refused when the model is built from them, with the place too.
  *
  * A first line `#: -D a=1 --steps 3` is a deck's command line. DM2_REWRITE=1 writes the reports instead of
  * comparing them: read the difference before you commit it. */

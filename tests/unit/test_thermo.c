@@ -6,6 +6,7 @@
 #include "dm2/base/real.h"
 #include "dm2/sim/phase.h"
 #include "dm2/sim/reaction.h"
+#include "dm2/sim/tables.h"
 
 static const double pi = 3.14159265358979323846;
 
@@ -283,6 +284,27 @@ TEST(the_energy_account_of_a_transition_closes)
     CHECK(drift[1] < 0.6 * drift[0]);
 }
 
+/* 1 - ((T - T0)/(Tm - T0))^n with T0 = 300 K and Tm = 1300 K, worked out by hand; 1 at and below T0, 0 from Tm on. */
+TEST(softening_with_temperature)
+{
+    static const double t[] = {0.0, 299.0, 300.0, 340.0, 390.0, 550.0, 940.0, 1299.0, 1300.0, 1301.0, 1e5};
+    static const double n[] = {0.5, 1.0, 2.0};
+    static const double want[3][11] = {
+        {1.0, 1.0, 1.0, 0.8, 0.7, 0.5, 0.2, 5.001250625390898e-4, 0.0, 0.0, 0.0},
+        {1.0, 1.0, 1.0, 0.96, 0.91, 0.75, 0.36, 0.001, 0.0, 0.0, 0.0},
+        {1.0, 1.0, 1.0, 0.9984, 0.9919, 0.9375, 0.5904, 0.001999, 0.0, 0.0, 0.0}};
+    for (int k = 0; k < 3; k++) {
+        struct kind kind = {.t0 = 300.0, .tm = 1300.0, .over_range = 1e-3, .softening = n[k]};
+        for (int i = 0; i < 11; i++) {
+            double soft = particles_softening(&kind, t[i]);
+            CHECK_NEAR(soft, want[k][i], i <= 2 || i > 7 ? 0.0 : 1e-14);
+        }
+        kind.tm = INFINITY; /* without a melting point */
+        kind.over_range = 0.0;
+        CHECK_NEAR(particles_softening(&kind, 1e5), 1.0, 0.0);
+    }
+}
+
 /* --- reaction
  * ---------------------------------------------------------------------------------------------------- */
 
@@ -404,6 +426,65 @@ TEST(complete_conversion_gives_the_adiabatic_temperature)
     printf("reaction: adiabatic rise to %.3f K\n", mean);
     CHECK_NEAR(mean, 300.0 + (start + 1.54e-2 * mass) / (mass * 5.4e-6), 1e-6);
     engine_state_free(&s);
+    engine_stop(&g);
+}
+
+/* What an evaluation says that it converted against what the elements lose when it is applied, and both against the rates
+ * of the pairs: nickel, aluminium and a mixture, each touching both others. The mixture reacts both ways. */
+TEST(converted_masses_are_lost_by_the_shares)
+{
+    static const double at[3][2] = {{0.18, 0.2}, {0.219, 0.2}, {0.199, 0.233}}, begin[3][2] = {{1, 0}, {0, 1}, {0.5, 0.3}};
+    static const char deck[] =
+        METALS "domain { size = 0.4, 0.4; r_c = 0.06; delta_r = 0.01 }\ntime { dt = 0.01; steps = 1 }\n"
+               "reaction r { reactants = Ni Al; product = NiAl; masses = 58.693, 26.982; k0 = 1e4; ea = 60 kJ/mol\n"
+               "             heat = 1.54 kJ/g }\n"
+               "body a { shape = disc 0.2, 0.2, 0.01; spacing = 0.04; origin = 0.2, 0.2; material = Ni }\n";
+    struct engine g;
+    engine_load(&g, deck, NULL, 1);
+    const struct model *m = g.model;
+    const struct reaction_table *x = &m->reaction;
+    struct particles p;
+    struct reaction_sums sums = {0};
+    uint32_t start[] = {0, 2, 3, 3}, partner[] = {1, 2, 2};
+    struct lists lists = {.near = {.start = start, .j = partner}};
+    double mass[3], want[3][2] = {{0.0}}, heat[3], temperature = 900.0;
+    particles_start(&p, m);
+    CHECK_EQ_INT(particles_reserve(&p, 3), 0);
+    p.n = p.n_own = 3;
+    for (size_t i = 0; i < 3; i++) {
+        mass[i] = (double)(i + 1) * 0.004;
+        struct element e = {.id = (uint32_t)i, .kind = (uint16_t)(i < 2 ? i : 0), .was = (uint16_t)(i < 2 ? i : 0),
+                            .radius = 0.02, .mass = mass[i], .r = {at[i][0], at[i][1]}, .share = {begin[i][0], begin[i][1]}};
+        particles_put(&p, m, i, &e);
+        p.heat[i] = mass[i] * particles_heat_capacity(&p, m, i) * (temperature - 300.0);
+        heat[i] = p.heat[i];
+        particles_warm(&p, m, i, 1.0 / mass[i]);
+    }
+    for (int i = 0; i < 3; i++) { /* A of i with B of j */
+        for (int j = 0; j < 3; j++) {
+            double got[2];
+            reaction_rate(x, (struct reaction_side){mass[i], begin[i][0]}, (struct reaction_side){mass[j], begin[j][1]},
+                          temperature, 0.04 / sqrt(3.0), 0.01, got);
+            want[i][0] += i != j ? got[0] : 0.0;
+            want[j][1] += i != j ? got[1] : 0.0;
+        }
+    }
+    CHECK_EQ_INT(reaction_evaluate(m, &p, &lists, 0.01, 1, &sums, &g.err), DM2_OK);
+    CHECK_EQ_INT(reaction_apply(m, &p, &sums, 1, &g.err), DM2_OK);
+    for (size_t i = 0; i < 3; i++) {
+        double both = 0.0;
+        for (size_t a = 0; a < 2; a++) {
+            double said = (double)sums.item[REACTION_SUMS * i + a] / x->mass_scale;
+            double lost = mass[i] * (begin[i][a] - p.share[2 * i + a]);
+            CHECK((said > 0.0) == (begin[i][a] > 0.0));
+            CHECK_NEAR(said, want[i][a], 1e-12 * mass[i]);
+            CHECK_NEAR(lost, said, 1e-15 * mass[i]);
+            both += said;
+        }
+        CHECK_NEAR_REL(p.heat[i] - heat[i], 1.54e-2 * both, 1e-11);
+    }
+    free(sums.item);
+    particles_free(&p);
     engine_stop(&g);
 }
 
@@ -617,7 +698,8 @@ TEST(bad_chemistry_is_refused)
         "need the same");
 }
 
-TEST_MAIN(CASE(a_rod_follows_the_series_solution), CASE(two_bodies_reach_the_mixing_temperature),
+TEST_MAIN(CASE(softening_with_temperature), CASE(converted_masses_are_lost_by_the_shares),
+          CASE(a_rod_follows_the_series_solution), CASE(two_bodies_reach_the_mixing_temperature),
           CASE(a_step_beyond_the_thermal_limit_is_refused), CASE(transitions_are_exactly_at_their_lines),
           CASE(melting_takes_the_latent_heat), CASE(the_energy_account_of_a_transition_closes),
           CASE(rates_follow_arrhenius), CASE(a_mixture_reacts_as_arrhenius_says),

@@ -12,6 +12,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "dm2/base/status.h"
+
 enum { NAME_MAX_LENGTH = 31, PROBE_MAX = 8, PROFILE_MAX = 8, MIX_MAX = 4, POLYGON_MAX = 64 };
 typedef char name_text[NAME_MAX_LENGTH + 1];
 
@@ -115,6 +117,7 @@ struct body_config {
     double grain_size;             /* mean diameter of grains, cm; NaN for a crystal */
     double grain_spread;           /* of a powder: diameters are uniform in grain_size (1 +- spread) */
     double solid_fraction;         /* of a powder: area of the grains in that of the shape; NaN otherwise */
+    char *packing_place;           /* where the deck has that, for config_fail; NULL: no powder, or unknown */
     double missing_links;          /* fraction of the body's own first links that are not there */
     double spacing;                /* d, cm */
     double row_spacing;            /* cm; default sqrt(3)/2 d, or d on the square lattice */
@@ -184,6 +187,7 @@ struct config {
     int64_t rebuild_every; /* 0: when dumax says so; K: also every K steps */
     enum balance_kind balance;
     double dt; /* us */
+    char *dt_place; /* where the deck has it, for config_fail; NULL: unknown */
     int64_t steps;
     double gravity[2]; /* body acceleration, cm/us2 */
     size_t n_materials, n_phases, n_reactions, n_bodies, n_probes, n_profiles, n_voids, n_flaws;
@@ -210,6 +214,11 @@ struct kind_name {
     char text[2 * NAME_MAX_LENGTH + 2];
 };
 const char *config_kind_name(const struct config *c, size_t kind, struct kind_name *out);
+
+/* dm2_fail at a place of the deck: the text is "file:line:column: error: message", the line, and a caret below it; the
+ * message alone where the place is NULL. */
+enum dm2_status config_fail(const char *place, struct dm2_error *err, enum dm2_status status, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
 
 /* Frees what *c owns and empties it. */
 void config_free(struct config *c);

@@ -23,7 +23,8 @@ struct model_estimate {
 struct model_estimate model_estimate(const struct config *config);
 
 /* Works out the tables. The config is borrowed for the life of the model. DM2_DECK with the reason: r_c below the
- * contact distance or a law that cannot be calibrated. */
+ * contact distance, a law that cannot be calibrated, a powder that cannot be packed, a time step that is not stable; the
+ * last two with their place in the deck (config_fail). */
 enum dm2_status model_build(const struct config *config, struct model **out, struct dm2_error *err);
 void model_free(struct model *model);
 

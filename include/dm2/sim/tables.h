@@ -71,7 +71,8 @@ struct model {
                               are no denormal numbers, which are slow, cm */
     double radius_max;     /* largest radius of an element, cm */
     double dt_stable;
-    const char *dt_mode;
+    const char *dt_mode;   /* what limits it */
+    size_t dt_kinds[2];    /* of which pair */
     size_t n_elements;
     struct fixed_scales fixed;
     struct measure_scales scales;
