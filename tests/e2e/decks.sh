@@ -27,7 +27,7 @@ within()
 # reaches COLUMN VALUE: time of the first row where the column is above the value, us.
 reaches()
 {
-    awk -F, -v name="$1" -v value="$2" 'NR == 1 { for (i = 1; i <= NF; i++) if (index($i, name " ") == 1) at = i; next }
+    awk -F, -v name="$1" -v value="$2" 'NR == 1 { for (i = 1; i <= NF; i++) if (index($i, name " ") == 1) at = i; if (!at) exit; next }
         $at + 0 > value + 0 { print $2; exit }' run/history.csv
 }
 

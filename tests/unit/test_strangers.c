@@ -303,27 +303,27 @@ TEST(a_crowd_does_not_silence_a_busy_server)
     const unsigned char nonce[AUTH_NONCE] = {1};
     unsigned char head[FRAME_HEADER], got[256];
     int fd[LOBBY_MOST], fds = visit();
-    struct channel served = begin_session(), asker;
+    struct channel served = begin_session(), crowd[LOBBY_MOST], asker;
     frame_header_encode(&h, head);
     for (int k = 0; k < LOBBY_MOST; k++) {
         struct iovec part = {head, 7};
         fd[k] = connected();
         CHECK_EQ_INT(socket_write_all(fd[k], &part, 1, soon(), NULL), DM2_OK);
     }
-    channel_open(&asker, connected(), PROTOCOL_VERSION, "the server");
-    CHECK_EQ_INT(channel_send(&asker, MESSAGE_STATUS, 0, nonce, AUTH_NONCE, soon(), NULL), DM2_OK);
-    CHECK(take(&asker, MESSAGE_CHALLENGE, got, AUTH_NONCE));
-    channel_close(&asker);
-    CHECK(is_served(&served));
     for (int k = 0; k < LOBBY_MOST; k++) {
         CHECK(rest_of(fd[k], got, sizeof got) > 0); /* the refusal */
         socket_close(fd[k]);
     }
     CHECK(is_served(&served));
-    for (int k = 0; k < LOBBY_CLIENTS; k++) {
-        struct channel ch = knock_on(nonce);
-        channel_close(&ch);
-    }
+    for (int k = 0; k < LOBBY_MOST; k++)
+        crowd[k] = knock_on(nonce);
+    channel_open(&asker, connected(), PROTOCOL_VERSION, "the server");
+    CHECK_EQ_INT(channel_send(&asker, MESSAGE_STATUS, 0, nonce, AUTH_NONCE, soon(), NULL), DM2_OK);
+    CHECK(take(&asker, MESSAGE_CHALLENGE, got, AUTH_NONCE));
+    channel_close(&asker);
+    CHECK(is_served(&served));
+    for (int k = 0; k < LOBBY_MOST; k++)
+        channel_close(&crowd[k]);
     for (double end = clock_now() + 3; server_descriptors() != fds && clock_now() < end;)
         CHECK(is_served(&served));
     CHECK_EQ_INT(server_descriptors(), fds);
@@ -336,6 +336,7 @@ TEST(a_crowd_does_not_silence_a_busy_server)
 TEST(a_shortage_of_descriptors)
 {
     enum { CROWD = 12, ROOM = 8 };
+    unsigned char got[256];
     int fd[CROWD];
     start_server(ROOM);
     struct channel served = begin_session();
@@ -343,9 +344,10 @@ TEST(a_shortage_of_descriptors)
         fd[k] = connected();
     for (int k = 0; k < 2 * CROWD; k++) /* each time the server may take one */
         CHECK(is_served(&served));
+    channel_close(&served);
+    CHECK(rest_of(fd[0], got, sizeof got) > 0); /* it was idle and full until it sent this one away */
     for (int k = 0; k < CROWD; k++)
         socket_close(fd[k]);
-    channel_close(&served);
     (void)visit();
     CHECK_EQ_INT(waitpid(server_id, NULL, WNOHANG), 0);
     end_server();
