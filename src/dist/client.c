@@ -53,6 +53,7 @@ struct peer {
     struct step_message step;
     struct relay_source segments; /* of the last STEP message, in the channel's buffer */
     struct done_message done;
+    bool whole[3]; /* its part of the final state, the copy, the snapshot has come: all of it */
 };
 
 /* A state on its way in. */
@@ -60,7 +61,6 @@ struct compilation {
     struct state_merge merge;
     bool due;     /* parts may come now, */
     int64_t step; /* of this step */
-    int left;     /* servers whose part is not complete */
 };
 
 /* The sums of a profile on their way in. */
@@ -68,7 +68,6 @@ struct profile_part {
     struct profile_bin *bins;
     bool *came;   /* from which server */
     bool due;
-    int left;     /* servers whose part has not come */
 };
 
 enum { LOSSES_MOST = 3 }; /* of one server without a new copy between, before it is given up */
@@ -200,6 +199,12 @@ static enum dm2_status not_decoded(struct client *c, int rank, const char *what,
     return peer_failed(c, rank, DM2_PROTOCOL, text, err);
 }
 
+/* Which entry of peer.whole is this state's? */
+static int which_state(const struct client *c, const struct compilation *state)
+{
+    return state == &c->final ? 0 : state == &c->copy ? 1 : 2;
+}
+
 static enum dm2_status take_state(struct client *c, int rank, struct bytes_reader *r, struct dm2_error *err)
 {
     struct state_message m;
@@ -210,10 +215,13 @@ static enum dm2_status take_state(struct client *c, int rank, struct bytes_reade
     struct compilation *state = m.purpose == STATE_FINAL  ? &c->final
                                 : m.purpose == STATE_COPY ? &c->copy
                                                           : &c->snapshot;
-    if (!state->due || m.step != state->step)
+    bool *whole = &c->peers[rank].whole[which_state(c, state)];
+    if (!state->due || m.step != state->step || *whole)
         return peer_failed(c, rank, DM2_PROTOCOL, "it sent a state that is not due", err);
+    if (!m.last && m.n_elements == 0 && m.n_pairs == 0)
+        return peer_failed(c, rank, DM2_PROTOCOL, "it sent an empty part of a state", err);
     enum dm2_status status = state_merge_add(&state->merge, &m, r, &why);
-    state->left -= m.last;
+    *whole = m.last;
     return status == DM2_OK ? DM2_OK : peer_failed(c, rank, status, why.text, err);
 }
 
@@ -250,7 +258,6 @@ static enum dm2_status take_profile(struct client *c, int rank, struct bytes_rea
         profile_merge(&p->bins[k], &bin, 1);
     }
     p->came[rank] = true;
-    p->left--;
     return DM2_OK;
 }
 
@@ -782,7 +789,8 @@ static void expect_state(struct client *c, struct compilation *state, bool due, 
 {
     state->due = due;
     state->step = step;
-    state->left = due ? c->ranks : 0;
+    for (int k = 0; k < c->ranks; k++)
+        c->peers[k].whole[which_state(c, state)] = false;
     if (due)
         state_merge_clear(&state->merge);
 }
@@ -806,10 +814,11 @@ static enum dm2_status write_state(struct client *c, struct compilation *state, 
 {
     struct state_merge *m = &state->merge;
     struct dm2_error why = {0};
-    enum dm2_status status = state->left == 0
-                                 ? state_merge_finish(m, &why)
-                                 : dm2_fail(&why, DM2_PROTOCOL, "a server did not finish sending its part");
     state->due = false;
+    for (int k = 0; k < c->ranks; k++)
+        if (!c->peers[k].whole[which_state(c, state)])
+            return peer_failed(c, k, DM2_PROTOCOL, "it did not finish sending its part of the state", err);
+    enum dm2_status status = state_merge_finish(m, &why);
     if (status != DM2_OK)
         return dm2_fail(err, status, "compiling the state of step %lld: %s", (long long)state->step,
                         why.text);
@@ -829,7 +838,6 @@ static void expect_profiles(struct client *c, int64_t step)
     for (size_t k = 0; k < config->n_profiles; k++) {
         struct profile_part *p = &c->profiles[k];
         p->due = results_profile_due(config, k, step);
-        p->left = p->due ? c->ranks : 0;
         memset(p->bins, 0, (size_t)config->profiles[k].bins * sizeof *p->bins);
         memset(p->came, 0, (size_t)c->ranks * sizeof *p->came);
     }
@@ -843,9 +851,9 @@ static enum dm2_status write_profiles(struct client *c, struct dm2_error *err)
         if (!p->due)
             continue;
         p->due = false;
-        if (p->left > 0)
-            return dm2_fail(err, DM2_PROTOCOL, "step %lld: a server did not send its part of the profile '%s'",
-                            (long long)c->profile_step, c->job->config->profiles[k].name);
+        for (int rank = 0; rank < c->ranks; rank++)
+            if (!p->came[rank])
+                return peer_failed(c, rank, DM2_PROTOCOL, "it did not send its part of a profile", err);
         status = results_profile(c->job->results, k, c->profile_step, p->bins, err);
     }
     return status;
