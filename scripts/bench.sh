@@ -27,7 +27,7 @@ lammps_rate() # INPUT NX NY STEPS OPTIONS
 {
     input=$1 nx=$2 ny=$3 steps=$4
     shift 4
-    (cd "$out" && $launch "$lmp" "$@" -in "$here/scripts/peers/$input" -var nx "$nx" -var ny "$ny" -var steps "$steps" -log none) |
+    (cd "$out" && $launch "$lmp" "$@" -in "$here/scripts/peers/$input" -var nx "$nx" -var ny "$ny" -var steps "$steps" -log none </dev/null) |
         awk '/^Loop time/ { printf "%.0f\n", $(NF - 1) * $(NF - 4) / $4 }'
 }
 
@@ -120,13 +120,19 @@ sort -t, -k1,1 -k2,2n -k3,3 -k5,5n "$csv" | awk -F, -v out="$out" '
             printf "%-9s %9d  %-16s %12.3f  %-25s %s\n", f[1], f[2], f[3], 1e-6 * median[key],
                 sprintf("%.3f - %.3f", 1e-6 * value[key, 1], 1e-6 * value[key, n]),
                 key == own ? "" : sprintf("%.2f", median[own] / median[key])
-            printf "%s,%s,%.6g\n", f[2], f[3], median[key] >(out "/medians-" f[1] ".csv")
+            if (!(f[1] SUBSEP f[3] in seen)) { seen[f[1], f[3]] = 1; columns[f[1]] = columns[f[1]] "," f[3] }
+            if (!(f[1] SUBSEP f[2] in row)) rows[f[1]] = rows[f[1]] " " f[2]
+            row[f[1], f[2]] = row[f[1], f[2]] sprintf(",%.6g", median[key])
+        }
+        for (w in columns) { # a table per work: a row per size, a column per program
+            print "elements" columns[w] >(out "/" w ".csv")
+            n = split(rows[w], size, " ")
+            for (i = 1; i <= n; i++)
+                print size[i] row[w, size[i]] >(out "/" w ".csv")
         }
     }'
 for w in $work; do
-    { echo 'elements,program,element-steps/s'; cat "$out/medians-$w.csv"; } >"$out/$w.csv"
-    rm "$out/medians-$w.csv"
-    "$bin/dm2-plot" chart "$out/$w.csv" --x elements --y element-steps/s --by program --log-x --markers \
+    "$bin/dm2-plot" chart "$out/$w.csv" --x elements --y "$(sed -n '1s/^elements,//p' "$out/$w.csv")" --log-x --markers \
         -t "$w: element-steps per second, medians" -o "$out/$w.svg"
 done
 echo "every run: $csv"
