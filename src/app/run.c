@@ -4,7 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "dm2/base/file.h"
 #include "dm2/base/mem.h"
+#include "dm2/base/text.h"
 #include "dm2/base/version.h"
 #include "dm2/sim/deck_digest.h"
 #include "dm2/sim/subdomain.h"
@@ -209,6 +211,20 @@ static char *directory_of(const char *path)
     return directory;
 }
 
+/* A run that goes on from the previous checkpoint, because the last one is of no use, takes it for its last: the next one
+ * would push the useless one in its place, and until then nothing good would have the name that messages give. */
+static enum dm2_status promote_checkpoint(const char *restart, const char *directory, struct dm2_error *err)
+{
+    const char *slash = strrchr(restart, '/');
+    if (strcmp(slash == NULL ? restart : slash + 1, "checkpoint.prev.dm2") != 0)
+        return DM2_OK;
+    char *last = text_join(directory, "/", "checkpoint.dm2");
+    enum dm2_status status = last == NULL ? dm2_fail(err, DM2_MEMORY, "no memory for the checkpoint's name")
+                                          : file_rename(restart, last, err);
+    free(last);
+    return status;
+}
+
 enum dm2_status run_open_results(const struct run_options *o, const struct run *run, struct results **out,
                                  struct dm2_error *err)
 {
@@ -227,6 +243,8 @@ enum dm2_status run_open_results(const struct run_options *o, const struct run *
                                   out, err);
     else
         status = results_open(directory, o->overwrite, &run->config, scales, run->digest, out, err);
+    if (status == DM2_OK && o->restart != NULL && results_checkpoint_step(*out) == run->state.step)
+        status = promote_checkpoint(o->restart, own, err);
     free(own);
     return status;
 }

@@ -92,6 +92,15 @@ sed '5d' whole/history.csv >bad/history.csv
 expect_status 3 "$seq" deck.dm2 -q --restart bad/checkpoint.prev.dm2
 expect_text err 'bad/history.csv: the row of step 60 is missing'
 
+# Going on from the previous one, which becomes the last: the damaged one is not kept in its place.
+cp -r whole prev
+dd if=whole/checkpoint.dm2 of=prev/checkpoint.dm2 bs=1000 count=5 2>dd.log
+expect_status 0 "$seq" deck.dm2 -q --steps 300 --restart prev/checkpoint.prev.dm2
+same_bytes whole/checkpoint.prev.dm2 prev/checkpoint.dm2
+[ ! -f prev/checkpoint.prev.dm2 ] || fail 'the previous checkpoint is there twice'
+expect_status 0 "$seq" deck.dm2 -q --restart prev/checkpoint.dm2
+same_run whole prev
+
 # The first step at which two runs differ.
 first=$DM2_SRC/scripts/dm2-first-difference
 printf 'step 0 hash a\nstep 10 hash b\nstep 20 hash c\n' >one
