@@ -106,9 +106,12 @@ $(BUILD)/tools/%: $(BUILD)/tests/tools/%.o $(BUILD)/libdm2.a
 	$(Q)mkdir -p $(@D)
 	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) -o $@ $^ $(LDLIBS)
 
+# Functions that a target has in place of the library's.
+$(BUILD)/fuzz/replay_fuzz_client $(BUILD)/fuzz_client: FUZZ_WRAP := -Wl,--wrap=socket_connect -Wl,--wrap=auth_nonce
+
 $(BUILD)/fuzz/replay_%: $(BUILD)/tests/fuzz/%.o $(BUILD)/tests/fuzz/replay.o $(BUILD)/libdm2.a
 	$(Q)mkdir -p $(@D)
-	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) $(FUZZ_WRAP) -o $@ $^ $(LDLIBS)
 
 $(BUILD)/failing/losing-server: $(BUILD)/src/app/dm2-server.o $(BUILD)/tests/failing/losing.o $(BUILD)/libdm2.a
 	$(Q)mkdir -p $(@D)
@@ -127,7 +130,7 @@ fuzz:
 		$(FUZZ_SRC:tests/fuzz/%.c=build/libfuzzer/%)
 
 $(BUILD)/fuzz_%: $(BUILD)/tests/fuzz/fuzz_%.o $(BUILD)/libdm2.a
-	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) $(FUZZ_WRAP) -o $@ $^ $(LDLIBS)
 
 $(BUILD)/tests/unit/%.o: DM2_CFLAGS += -Itests/unit
 
