@@ -393,8 +393,6 @@ static enum dm2_status check_assignment(struct session *s, struct dm2_error *err
     return DM2_OK;
 }
 
-enum { PAIRS_MOST = 64 }; /* per element, in the state to start from: far more than fit around one */
-
 /* What is known of the state to start from. */
 struct intake {
     struct element *elements;
@@ -410,8 +408,8 @@ static enum dm2_status take_part(struct intake *in, const struct model *model, c
     void *elements = in->elements, *pairs = in->pairs;
     if (!m->last && m->n_elements == 0 && m->n_pairs == 0)
         return dm2_fail(err, DM2_PROTOCOL, "the client sent an empty part of a state");
-    if (in->n_pairs + m->n_pairs > PAIRS_MOST * limits.elements)
-        return dm2_fail(err, DM2_PROTOCOL, "the client sent more than %d pairs per element", PAIRS_MOST);
+    if (in->n_pairs + m->n_pairs > WIRE_PAIRS_MOST * limits.elements)
+        return dm2_fail(err, DM2_PROTOCOL, "the client sent more than %d pairs per element", WIRE_PAIRS_MOST);
     int failed = mem_grow(&elements, &in->elements_cap, in->n_elements, in->n_elements + m->n_elements,
                           sizeof *in->elements);
     in->elements = elements;
