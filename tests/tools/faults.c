@@ -6,8 +6,8 @@
  *
  * The working directory has deck.dm2, its sequential results in whole/, their names in `results`, one per line, and a
  * key file `key`; DM2_BIN and DM2_BUILD are set. A seed chooses the number of servers, 2 to 8, whether there is a
- * key, checkpoints, whether killed servers come back, and one to three faults; what the first is goes round with the seed, so
- * that consecutive seeds cover every kind. Servers live on from run to run.
+ * key, checkpoints, whether killed servers come back, and one to three faults; what the first is goes round with the
+ * seed, so that consecutive seeds cover every kind. Servers live on from run to run.
  *
  * A run is right when it ends within its deadline and
  *     same       its results are those of the sequential run to the byte, or
