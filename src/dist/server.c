@@ -654,6 +654,7 @@ static void work_ahead(struct session *s, int64_t step)
     subdomain_forces_ahead(s->sd, results_measure_due(&s->config, step));
     (void)count_cpu(s, false);
     s->ahead = clock_now() - start;
+    s->times.ahead += s->ahead;
 }
 
 /* The exchange after a step; *asked says how, and gets how the next one will be. */
