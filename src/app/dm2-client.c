@@ -91,7 +91,7 @@ static enum dm2_status parse(struct client_command *c, int argc, char **argv, st
     enum dm2_status status = options_parse(table, OWN + RUN_OPTIONS, argc, argv, &c->run.operands, err);
     if (status == DM2_OK && c->run.help) {
         (void)printf("usage: %s DECK [-n N | --hosts FILE | --server HOST[:PORT]...] [options]\n"
-                     "       %s --status --hosts FILE [--key FILE]\n"
+                     "       %s --status (--hosts FILE | --server HOST[:PORT]...) [--key FILE]\n"
                      "Runs a deck on servers. Without any, one per core is started on this machine.\n\n",
                      PROGRAM, PROGRAM);
         options_print(stdout, table, OWN + RUN_OPTIONS);

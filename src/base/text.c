@@ -1,4 +1,8 @@
-/* Texts put together: one allocation of the right size, lengths measured once. */
+/* Texts put together: one allocation of the right size, lengths measured once.
+ *
+ * Texts that somebody else wrote and a terminal shows: what is no printable character, in ASCII or well-formed UTF-8, is
+ * replaced. U+0080 to U+009F count as control characters, as they do for terminals; so does any byte that is no part of a
+ * character, which an 8-bit terminal could take for one of them. */
 #include "dm2/base/text.h"
 
 #include <stdlib.h>
@@ -14,4 +18,30 @@ char *text_join(const char *a, const char *b, const char *c)
         memcpy(text + la + lb, c, lc + 1);
     }
     return text;
+}
+
+size_t text_printable(const char *s, size_t left)
+{
+    unsigned char c = (unsigned char)s[0];
+    if (c < 0x80)
+        return c >= 0x20 && c != 0x7f ? 1 : 0;
+    size_t n = c >= 0xf0 && c <= 0xf4 ? 4 : c >= 0xe0 && c < 0xf0 ? 3 : c >= 0xc2 && c < 0xe0 ? 2 : 0;
+    if (n == 0 || n > left)
+        return 0;
+    for (size_t i = 1; i < n; i++)
+        if (((unsigned char)s[i] & 0xc0u) != 0x80u)
+            return 0;
+    return c == 0xc2 && (unsigned char)s[1] < 0xa0 ? 0 : n;
+}
+
+void text_make_printable(char *text, bool lines)
+{
+    size_t n = strlen(text);
+    for (size_t i = 0; i < n;) {
+        size_t step = text_printable(text + i, n - i);
+        bool blank = text[i] == '\n' || text[i] == '\t';
+        if (step == 0 && !(blank && lines))
+            text[i] = blank ? ' ' : '?';
+        i += step > 0 ? step : 1;
+    }
 }

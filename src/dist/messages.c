@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "dm2/base/mem.h"
+#include "dm2/base/text.h"
 #include "dm2/dist/wire.h"
 
 static void require(struct bytes_reader *r, bool holds)
@@ -50,6 +51,7 @@ void message_get_hello(struct bytes_reader *r, struct hello_message *m)
     *m = (struct hello_message){0};
     m->fingerprint = bytes_get_u64(r);
     get_text_into(r, m->version, sizeof m->version);
+    text_make_printable(m->version, false);
     require(r, bytes_done(r));
 }
 
@@ -352,14 +354,6 @@ void message_get_done(struct bytes_reader *r, struct done_message *m)
     require(r, bytes_done(r));
 }
 
-/* Texts of others end up on terminals and in logs: control characters are made visible. */
-static void show_controls(char *text)
-{
-    for (char *c = text; *c != '\0'; c++)
-        if ((*c > 0 && *c < ' ' && *c != '\n') || *c == 127)
-            *c = '?';
-}
-
 void message_put_report(struct bytes_writer *w, const struct report_message *m)
 {
     bytes_put_text(w, m->version, strlen(m->version));
@@ -390,9 +384,9 @@ void message_get_report(struct bytes_reader *r, struct report_message *m)
     m->load = bytes_get_f64(r);
     m->cores = bytes_get_u16(r);
     require(r, m->step >= 0 && isfinite(m->load) && (m->ranks == 0 || m->rank < m->ranks));
-    show_controls(m->version);
-    show_controls(m->peer);
-    show_controls(m->deck);
+    text_make_printable(m->version, false);
+    text_make_printable(m->peer, false);
+    text_make_printable(m->deck, false);
     require(r, bytes_done(r));
 }
 
@@ -408,7 +402,7 @@ void message_get_error(struct bytes_reader *r, struct error_message *m)
     require(r, status > DM2_OK && status <= DM2_INTERRUPTED);
     m->status = r->failed ? DM2_PROTOCOL : (enum dm2_status)status;
     get_text_into(r, m->text, sizeof m->text);
-    show_controls(m->text);
+    text_make_printable(m->text, true);
     require(r, bytes_done(r));
 }
 

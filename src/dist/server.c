@@ -19,8 +19,8 @@
 
 #include "dm2/base/clock.h"
 #include "dm2/base/fingerprint.h"
-#include "dm2/base/hmac.h"
 #include "dm2/base/mem.h"
+#include "dm2/base/text.h"
 #include "dm2/dist/exchange.h"
 #include "dm2/dist/lobby.h"
 #include "dm2/dist/messages.h"
@@ -35,10 +35,9 @@ static const double MOST_PATIENCE = 10.0;  /* times --timeout, however patient t
 
 struct session {
     const struct server_options *options;
-    struct lobby *lobby; /* looked after while the client is waited for; NULL: none */
+    struct lobby *lobby; /* looked after while the client is waited for */
     struct session_summary *summary;
     struct channel channel;
-    bool admitted; /* the client has the key, or none is needed */
     struct bytes_writer out;
     struct deck_message deck;
     struct config config;
@@ -93,10 +92,10 @@ static enum dm2_status receive(struct session *s, uint32_t limit, struct deadlin
 {
     bool complete = false;
     enum dm2_status status = DM2_OK;
-    if (s->lobby != NULL && channel_pending(&s->channel))
+    if (channel_pending(&s->channel))
         status = channel_receive_some(&s->channel, limit, &complete, f, err);
     while (status == DM2_OK && !complete) {
-        if (s->lobby == NULL || !lobby_wait(s->lobby, s->channel.fd, until))
+        if (!lobby_wait(s->lobby, s->channel.fd, until))
             return channel_receive(&s->channel, limit, until, f, err); /* which also says why there is nothing */
         status = channel_receive_some(&s->channel, limit, &complete, f, err);
     }
@@ -120,60 +119,12 @@ static enum dm2_status not_decoded(const char *what, struct dm2_error *err)
 /* --- before the steps -------------------------------------------------------------------------------------
  */
 
-/* The payload of a message that is n bytes long, no more and no less. */
-static enum dm2_status expect_bytes(struct session *s, enum message_type type, unsigned char *out, size_t n,
-                                    struct deadline until, struct dm2_error *err)
-{
-    struct bytes_reader r;
-    char name[16];
-    enum dm2_status status = expect(s, type, LIMIT_AUTH, until, &r, err);
-    if (status != DM2_OK)
-        return status;
-    const unsigned char *bytes = bytes_get_raw(&r, n);
-    if (!bytes_done(&r))
-        return not_decoded(message_name((uint8_t)type, name), err);
-    memcpy(out, bytes, n);
-    return DM2_OK;
-}
-
-/* The client proves the key first: a stranger gets a random number from this server and nothing that depends on the
- * key. */
-static enum dm2_status authenticate(struct session *s, struct deadline until, struct dm2_error *err)
-{
-    const struct auth_key *key = s->options->key;
-    struct auth_nonces nonces;
-    unsigned char code[AUTH_CODE], proof[AUTH_CODE];
-    enum dm2_status status = expect_bytes(s, MESSAGE_KNOCK, nonces.client, AUTH_NONCE, until, err);
-    if (status == DM2_OK)
-        status = auth_nonce(nonces.server, err);
-    if (status == DM2_OK)
-        status = channel_send(&s->channel, MESSAGE_CHALLENGE, 0, nonces.server, AUTH_NONCE, until, err);
-    if (status == DM2_OK)
-        status = expect_bytes(s, MESSAGE_PROOF, proof, AUTH_CODE, until, err);
-    if (status != DM2_OK)
-        return status;
-    auth_code(key, AUTH_CLIENT, PROTOCOL_VERSION, &nonces, code);
-    if (!hmac_equal(code, proof, AUTH_CODE))
-        return dm2_fail(err, DM2_PROTOCOL, "the client has another key");
-    auth_code(key, AUTH_SERVER, PROTOCOL_VERSION, &nonces, code);
-    status = channel_send(&s->channel, MESSAGE_GRANT, 0, code, AUTH_CODE, until, err);
-    unsigned char in[SIPHASH_KEY], out[SIPHASH_KEY];
-    auth_session_key(key, AUTH_CLIENT, PROTOCOL_VERSION, &nonces, in);
-    auth_session_key(key, AUTH_SERVER, PROTOCOL_VERSION, &nonces, out);
-    channel_use_keys(&s->channel, in, out);
-    return status;
-}
-
 static enum dm2_status shake_hands(struct session *s, struct dm2_error *err)
 {
     struct bytes_reader r;
     struct hello_message hello, own = {.fingerprint = fingerprint_compute()};
     struct deadline until = deadline_in(s->options->handshake, s->options->cancel);
-    enum dm2_status status = s->options->key != NULL ? authenticate(s, until, err) : DM2_OK;
-    if (status != DM2_OK)
-        return status;
-    s->admitted = true;
-    status = expect(s, MESSAGE_HELLO, LIMIT_HELLO, until, &r, err);
+    enum dm2_status status = expect(s, MESSAGE_HELLO, LIMIT_HELLO, until, &r, err);
     if (status != DM2_OK)
         return status;
     message_get_hello(&r, &hello);
@@ -764,8 +715,8 @@ static enum dm2_status finish(struct session *s, struct dm2_error *err)
 
 static void tell_client(struct session *s, const struct dm2_error *err)
 {
-    struct error_message m = {.status = s->admitted ? err->status : DM2_PROTOCOL};
-    (void)snprintf(m.text, sizeof m.text, "%s", s->admitted ? err->text : REFUSAL_TEXT);
+    struct error_message m = {.status = err->status};
+    (void)snprintf(m.text, sizeof m.text, "%s", err->text);
     bytes_clear(&s->out);
     message_put_error(&s->out, &m);
     if (!s->out.failed)
@@ -797,16 +748,15 @@ static enum dm2_status serve_run(struct session *s, struct dm2_error *err)
     return status == DM2_OK ? finish(s, err) : status;
 }
 
-/* server_session, with those who come meanwhile; lobby may be NULL. */
-static enum dm2_status serve_client(int fd, const char *peer, const struct server_options *options,
+/* The session of a client from the lobby, which is looked after meanwhile. The channel is taken over. */
+static enum dm2_status serve_client(const struct channel *client, const struct server_options *options,
                                     struct lobby *lobby, struct session_summary *summary, struct dm2_error *err)
 {
-    struct session s = {.options = options, .lobby = lobby, .summary = summary, .timeout = options->timeout};
+    struct session s = {
+        .options = options, .lobby = lobby, .summary = summary, .timeout = options->timeout, .channel = *client};
     double start = clock_now();
     *summary = (struct session_summary){.rank = -1};
-    if (lobby != NULL)
-        lobby->business = (struct lobby_business){.peer = peer, .since = start, .session = summary};
-    channel_open(&s.channel, fd, PROTOCOL_VERSION, peer);
+    lobby->business = (struct lobby_business){.peer = client->name, .since = start, .session = summary};
     enum dm2_status status = shake_hands(&s, err);
     if (status == DM2_OK)
         status = get_deck(&s, err);
@@ -824,15 +774,16 @@ static enum dm2_status serve_client(int fd, const char *peer, const struct serve
 enum dm2_status server_session(int fd, const char *peer, const struct server_options *options,
                                struct session_summary *summary, struct dm2_error *err)
 {
-    return serve_client(fd, peer, options, NULL, summary, err);
-}
-
-/* One line, which does nothing to the terminal that shows it, whatever a client has sent. */
-static void make_printable(char *text)
-{
-    for (char *c = text; *c != '\0'; c++)
-        if ((unsigned char)*c < ' ' || *c == 127)
-            *c = ' ';
+    struct lobby lobby;
+    struct channel client;
+    *summary = (struct session_summary){.rank = -1};
+    lobby_open(&lobby, -1, options, NULL, NULL);
+    lobby_enter(&lobby, fd, peer);
+    enum dm2_status status = lobby_next(&lobby, deadline_in(options->handshake, options->cancel), &client, err);
+    if (status == DM2_OK)
+        status = serve_client(&client, options, &lobby, summary, err);
+    lobby_close(&lobby);
+    return status;
 }
 
 static void log_session(const struct session_summary *sum, enum dm2_status status,
@@ -849,7 +800,7 @@ static void log_session(const struct session_summary *sum, enum dm2_status statu
         (void)snprintf(line, sizeof line, "done: %s", what);
     else
         (void)snprintf(line, sizeof line, "%s%s%s", err->text, what[0] != '\0' ? "; " : "", what);
-    make_printable(line);
+    text_make_printable(line, false); /* of which a client has sent much */
     log(context, status == DM2_OK ? SERVER_DONE : SERVER_FAILED, peer, line);
 }
 
@@ -861,19 +812,18 @@ enum dm2_status server_serve(int listener, const struct server_options *options,
     struct lobby lobby;
     lobby_open(&lobby, listener, options, log, context);
     for (bool over = false; !over;) {
-        int fd = -1;
-        char peer[SOCKET_NAME];
+        struct channel client;
         struct session_summary summary;
-        status = lobby_next(&lobby, deadline_in(once ? options->timeout : for_ever, options->cancel), &fd, peer, err);
+        status = lobby_next(&lobby, deadline_in(once ? options->timeout : for_ever, options->cancel), &client, err);
         if (status == DM2_TIMEOUT && !once)
             continue;
         if (status == DM2_TIMEOUT)
             status = dm2_fail(err, DM2_TIMEOUT, "no client came within %g s", options->timeout);
         if (status != DM2_OK)
             break;
-        log(context, SERVER_CONNECTED, peer, "connected");
-        status = serve_client(fd, peer, options, &lobby, &summary, err);
-        log_session(&summary, status, err, log, context, peer);
+        log(context, SERVER_CONNECTED, client.name, "connected");
+        status = serve_client(&client, options, &lobby, &summary, err);
+        log_session(&summary, status, err, log, context, client.name);
         over = once || status == DM2_INTERRUPTED;
     }
     lobby_close(&lobby);

@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "dm2/base/mem.h"
+#include "dm2/base/text.h"
 
 /* Of a longer line, a window around the caret is shown. */
 enum { LINE_SHOWN = 160, LINE_BEFORE = 80 };
@@ -138,26 +139,10 @@ static bool is_continuation(char c)
     return ((unsigned char)c & 0xc0u) == 0x80u;
 }
 
-/* Length of the character at s, of which `left` bytes remain; 0 where it must not be shown as it is. */
-static size_t printable(const char *s, size_t left)
-{
-    unsigned char c = (unsigned char)s[0];
-    if (c < 0x80)
-        return c >= 0x20 && c != 0x7f ? 1 : 0;
-    size_t n = c >= 0xf0 && c <= 0xf4 ? 4 : c >= 0xe0 && c < 0xf0 ? 3 : c >= 0xc2 && c < 0xe0 ? 2 : 0;
-    if (n == 0 || n > left)
-        return 0;
-    for (size_t i = 1; i < n; i++)
-        if (!is_continuation(s[i]))
-            return 0;
-    /* U+0080 to U+009F are control characters too. */
-    return c == 0xc2 && (unsigned char)s[1] < 0xa0 ? 0 : n;
-}
-
 static void put_printable(struct output *out, const char *s, size_t n, bool keep_tabs)
 {
     for (size_t i = 0; i < n;) {
-        size_t step = printable(s + i, n - i);
+        size_t step = text_printable(s + i, n - i);
         if (step > 0)
             put(out, s + i, step);
         else if (s[i] == '\t' && keep_tabs)
@@ -172,7 +157,7 @@ static void put_printable(struct output *out, const char *s, size_t n, bool keep
 static void put_caret(struct output *out, const char *line, size_t from, size_t at, size_t to)
 {
     for (size_t i = from; i < at;) {
-        size_t step = printable(line + i, at - i);
+        size_t step = text_printable(line + i, at - i);
         put_text(out, line[i] == '\t' ? "\t" : " ");
         i += step > 0 ? step : 1;
     }

@@ -50,7 +50,7 @@ same_bytes seq/final.dm2 run/final.dm2
 odd=$(printf 'odd\033[1m\177.dm2')
 cp "$deck" "$odd"
 expect_status 0 "$DM2_BIN/dm2-client" "$odd" -q --server "$SERVER_ADDR" -o odd --steps 3 --send-deck
-expect_text "$SERVER_LOG" 'done: odd [1m .dm2, rank 0 of 1'
+expect_text "$SERVER_LOG" 'done: odd?[1m?.dm2, rank 0 of 1'
 
 # A server ends when it is asked to, also while a client that says nothing holds it.
 stop_server "$SERVER_PID"

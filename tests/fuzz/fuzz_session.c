@@ -9,7 +9,6 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "dm2/base/clock.h"
 #include "dm2/base/crc32c.h"
 #include "dm2/dist/lobby.h"
 #include "dm2/dist/messages.h"
@@ -37,12 +36,9 @@ static void stand_outside(int fd, const struct server_options *options)
 {
     struct lobby lobby;
     const struct session_summary session = {.deck = "a deck", .rank = 1, .ranks = 2, .steps = 3};
-    struct visitor *v = &lobby.visitors[0];
     lobby_open(&lobby, -1, options, NULL, NULL);
     lobby.business = (struct lobby_business){.peer = "a friend", .session = &session};
-    *v = (struct visitor){.kind = VISITOR_NEW, .until = clock_now() + 1};
-    channel_open(&v->channel, fd, PROTOCOL_VERSION, "fuzz");
-    lobby.n = 1;
+    lobby_enter(&lobby, fd, "fuzz");
     for (int k = 0; k < 4; k++)
         (void)lobby_wait(&lobby, -1, deadline_in(1e-6, -1));
     lobby_close(&lobby);

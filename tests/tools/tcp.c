@@ -1,8 +1,8 @@
 /* The ends of a connection that the tests play themselves.
  *
  *     tcp send PORT     connects to 127.0.0.1, sends standard input, ends its stream, prints what comes back
- *     tcp hold PORT     connects, begins to say HELLO, prints "connected", and does nothing more until standard input
- *                       ends: a server waits for the rest
+ *     tcp hold PORT     connects, says HELLO, prints "connected" when it is welcome, and does nothing more until standard
+ *                       input ends: a server without a key is busy with it
  *     tcp silent PORT   the same without a word
  *     tcp mirror        listens on a free port, prints it, takes one connection, sends back what comes
  *     tcp answer        listens on a free port, prints it, takes one connection, sends standard input
@@ -17,6 +17,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "dm2/base/fingerprint.h"
 #include "dm2/dist/messages.h"
 #include "dm2/net/socket.h"
 
@@ -78,13 +79,19 @@ static int answer(bool mirror)
     return 0;
 }
 
-static void begin_hello(int fd)
+/* True: the server's session has begun. */
+static bool is_welcome(int fd)
 {
-    unsigned char head[FRAME_HEADER];
-    const struct frame_header h = {.version = PROTOCOL_VERSION, .type = MESSAGE_HELLO, .length = 8};
-    struct iovec part = {head, sizeof head};
-    frame_header_encode(&h, head);
-    (void)socket_write_all(fd, &part, 1, until, NULL);
+    const struct hello_message m = {.fingerprint = fingerprint_compute(), .version = "tcp"};
+    struct bytes_writer w = {0};
+    struct channel ch;
+    struct frame f = {0};
+    message_put_hello(&w, &m);
+    channel_open(&ch, fd, PROTOCOL_VERSION, "the server");
+    bool welcome = channel_send(&ch, MESSAGE_HELLO, 0, w.data, w.length, until, NULL) == DM2_OK &&
+                   channel_receive(&ch, LIMIT_HELLO, until, &f, NULL) == DM2_OK && f.type == MESSAGE_WELCOME;
+    bytes_free(&w);
+    return welcome;
 }
 
 int main(int argc, char **argv)
@@ -103,8 +110,8 @@ int main(int argc, char **argv)
     }
     if (strcmp(argv[1], "hold") == 0 || strcmp(argv[1], "silent") == 0) {
         char waste[256];
-        if (argv[1][0] == 'h')
-            begin_hello(fd);
+        if (argv[1][0] == 'h' && !is_welcome(fd))
+            return 1;
         (void)printf("connected\n");
         (void)fflush(stdout);
         while (read(STDIN_FILENO, waste, sizeof waste) > 0)

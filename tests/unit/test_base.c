@@ -4,6 +4,7 @@
 #include "dm2/base/idmap.h"
 #include "dm2/base/mem.h"
 #include "dm2/base/random.h"
+#include "dm2/base/text.h"
 
 TEST(exact_sums_do_not_depend_on_order)
 {
@@ -102,5 +103,29 @@ TEST(memory_sizes_do_not_overflow)
     free(block);
 }
 
-TEST_MAIN(CASE(exact_sums_do_not_depend_on_order), CASE(exact_sums_are_exact), CASE(exact_sums_take_integer_units), CASE(idmap_finds_what_was_added),
+TEST(texts_of_others_do_nothing_to_a_terminal)
+{
+    static const struct {
+        const char *text, *line, *lines;
+    } cases[] = {
+        {"plain ~", "plain ~", "plain ~"},
+        {"", "", ""},
+        {"a\033[1m\177b\a\r", "a?[1m?b??", "a?[1m?b??"},
+        {"a\nb\tc", "a b c", "a\nb\tc"},
+        {"\303\244 \342\202\254 \360\237\230\200", "\303\244 \342\202\254 \360\237\230\200",
+         "\303\244 \342\202\254 \360\237\230\200"},
+        {"\302\233x \233y \342\202", "??x ?y ??", "??x ?y ??"}, /* U+009B, its byte alone, a character cut short */
+    };
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        char text[64];
+        (void)snprintf(text, sizeof text, "%s", cases[k].text);
+        text_make_printable(text, false);
+        CHECK_STR(text, cases[k].line);
+        (void)snprintf(text, sizeof text, "%s", cases[k].text);
+        text_make_printable(text, true);
+        CHECK_STR(text, cases[k].lines);
+    }
+}
+
+TEST_MAIN(CASE(texts_of_others_do_nothing_to_a_terminal), CASE(exact_sums_do_not_depend_on_order), CASE(exact_sums_are_exact), CASE(exact_sums_take_integer_units), CASE(idmap_finds_what_was_added),
           CASE(random_numbers_are_uniform), CASE(memory_sizes_do_not_overflow))

@@ -295,15 +295,15 @@ TEST(a_silent_crowd_is_sent_away)
     CHECK_EQ_INT(visit(), fds);
 }
 
-/* While a session lasts those who look like clients do not keep out who asks for the status, and lose their places where they
- * say no more or close. */
+/* While a session lasts those who look like clients keep out neither who asks for the status nor a friend, and lose their places
+ * where they say no more or close. */
 TEST(a_crowd_does_not_silence_a_busy_server)
 {
     const struct frame_header h = {.version = PROTOCOL_VERSION, .type = MESSAGE_KNOCK, .length = AUTH_NONCE};
     const unsigned char nonce[AUTH_NONCE] = {1};
     unsigned char head[FRAME_HEADER], got[256];
     int fd[LOBBY_MOST], fds = visit();
-    struct channel served = begin_session(), crowd[LOBBY_MOST], asker;
+    struct channel served = begin_session(), crowd[LOBBY_MOST], asker, friend;
     frame_header_encode(&h, head);
     for (int k = 0; k < LOBBY_MOST; k++) {
         struct iovec part = {head, 7};
@@ -321,6 +321,8 @@ TEST(a_crowd_does_not_silence_a_busy_server)
     CHECK_EQ_INT(channel_send(&asker, MESSAGE_STATUS, 0, nonce, AUTH_NONCE, soon(), NULL), DM2_OK);
     CHECK(take(&asker, MESSAGE_CHALLENGE, got, AUTH_NONCE));
     channel_close(&asker);
+    CHECK(enter(&friend, &KEY));
+    channel_close(&friend);
     CHECK(is_served(&served));
     for (int k = 0; k < LOBBY_MOST; k++)
         channel_close(&crowd[k]);
