@@ -5,7 +5,8 @@
  * client and frees everything. Nothing survives a session: the next client meets a server as fresh as the
  * first did.
  *
- * A step: forces, move, pack, one STEP message out, one NEXT message in, take. What the client asked for with
+ * A step: forces, move, pack, one STEP message out, one NEXT message in, take. Between the two messages the forces of the
+ * next step begin, for all pairs that need nothing from the message. What the client asked for with
  * its last NEXT decides whether the segments are updates or the parcels of a rebuild; with `redo` it asks for
  * the latter after all, and the same step is sent again. */
 #include "dm2/dist/server.h"
@@ -49,6 +50,7 @@ struct session {
     struct exchange exchange;
     double timeout;
     double heard; /* when the last message had come: work since then is `busy` */
+    double ahead; /* seconds of work on this step before that */
     bool counts;  /* the processor's seconds, since `counted`; see count_cpu */
     double counted;
     struct server_times times;
@@ -558,7 +560,8 @@ static enum dm2_status send_step(struct session *s, struct step_message *m, stru
     if (status != DM2_OK)
         return status;
     double rebuild = tally(s), now = clock_now();
-    m->busy = now - s->heard;
+    m->busy = now - s->heard + s->ahead;
+    s->ahead = 0.0;
     s->times.pack += now - start - rebuild;
     s->times.migrants += m->migrants;
     size_t length = s->out.length;
@@ -590,6 +593,19 @@ static enum dm2_status get_next(struct session *s, int64_t step, struct next_mes
     return DM2_OK;
 }
 
+/* While the others' states are on the way: what of the next step needs none of them. */
+static void work_ahead(struct session *s, int64_t step)
+{
+    if (step == s->config.steps)
+        return; /* the final state comes first */
+    double start = clock_now();
+    (void)count_cpu(s, true);
+    subdomain_forces_ahead(s->sd, results_measure_due(&s->config, step));
+    (void)count_cpu(s, false);
+    s->ahead = clock_now() - start;
+    s->times.ahead += s->ahead;
+}
+
 /* The exchange after a step; *asked says how, and gets how the next one will be. */
 static enum dm2_status exchange_step(struct session *s, struct step_message *m, struct next_message *asked,
                                      struct dm2_error *err)
@@ -598,6 +614,8 @@ static enum dm2_status exchange_step(struct session *s, struct step_message *m, 
     struct bytes_reader r;
     m->rebuild = asked->rebuild_next;
     enum dm2_status status = send_step(s, m, err);
+    if (status == DM2_OK && !m->rebuild)
+        work_ahead(s, m->step);
     if (status == DM2_OK)
         status = get_next(s, m->step, &next, &r, err);
     if (status == DM2_OK && next.redo) {
