@@ -29,8 +29,11 @@ export ASAN_OPTIONS UBSAN_OPTIONS
 
 directory=$(mktemp -d "${TMPDIR:-/tmp}/dm2-soak.XXXXXX")
 cd "$directory"
-sed 's/let steps = 400/let steps = 90/' "$DM2_SRC/tests/decks/good/scatter.dm2" >deck.dm2
+sed 's/let steps = 400/let steps = 90/; s/output {/output { snapshot_every = 25; strain = yes;/' \
+    "$DM2_SRC/tests/decks/good/scatter.dm2" >deck.dm2
+echo 'profile across { axis = x; bins = 4; every = 20 }' >>deck.dm2
 "$DM2_BIN/dm2-seq" deck.dm2 -q -o whole
+(cd whole && find . -type f ! -name run.log ! -name timing.csv) >results
 "$DM2_BIN/dm2-server" --new-key key >/dev/null
 if "$DM2_BUILD/tools/faults" "$seed" $((3 * faults)) "$faults" "$timeout"; then
     rm -rf "$directory"

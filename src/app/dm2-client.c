@@ -243,17 +243,17 @@ static enum dm2_status run_on(const struct client_command *c, const struct run *
 static enum dm2_status predict_run(const struct client_command *c, const struct network_probe *probe, bool local,
                                    struct run_report *report, char text[PREDICTION_TEXT], struct dm2_error *err)
 {
-    int cores = local_servers_cores(), processors = local && cores < report->ranks ? cores : report->ranks;
+    int cores = local ? local_servers_cores() : 0;
     struct prediction_basis basis;
     struct explanation e;
     struct network_line line;
     enum dm2_status status = DM2_OK;
     if (c->calibration_path[0] != '\0') {
-        prediction_calibrated(&c->calibration, c->calibration_path, report, local ? cores : 0, &basis);
+        prediction_calibrated(&c->calibration, c->calibration_path, report, cores, &basis);
     } else {
         status = network_fit(probe, report->ranks, &line, err);
         if (status == DM2_OK)
-            prediction_estimated(&line, report, processors, &basis);
+            prediction_estimated(&line, report, cores, &basis);
     }
     if (status == DM2_OK && prediction_explain(report, &basis, &e)) {
         prediction_text(&e, &basis, report, text);

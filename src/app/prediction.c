@@ -44,13 +44,25 @@ static double cells_of(const struct run_report *r)
     return cells;
 }
 
+/* That the servers have together; `cores` of the machine that all are on, 0 where each has its own. */
+static int processors_of(const struct run_report *r, int cores)
+{
+    return cores > 0 && cores < r->ranks ? cores : r->ranks;
+}
+
+/* Has the client a processor that no server computes on? */
+static bool has_own(const struct run_report *r, int cores)
+{
+    return cores == 0 || cores > r->ranks;
+}
+
 void prediction_calibrated(const struct calibration *c, const char *path, const struct run_report *r, int cores,
                            struct prediction_basis *out)
 {
     struct perf p = c->perf;
     double n = (double)r->elements, cells = cells_of(r);
-    int processors = cores > 0 && cores < r->ranks ? cores : r->ranks, busy = cores > 0 ? processors : 1;
-    *out = (struct prediction_basis){.processors = processors};
+    int processors = processors_of(r, cores), busy = cores > 0 ? processors : 1;
+    *out = (struct prediction_basis){.processors = processors, .apart = has_own(r, cores)};
     p.k = perf_k_at(&c->perf, n, 1, cores);
     out->t_seq = perf_t_seq_cells(&p, n, cells);
     p.k = perf_k_at(&c->perf, n / processors, busy, cores);
@@ -60,10 +72,11 @@ void prediction_calibrated(const struct calibration *c, const char *path, const 
                    row ? "" : ", m and b inferred from other numbers of servers");
 }
 
-void prediction_estimated(const struct network_line *line, const struct run_report *r, int processors,
+void prediction_estimated(const struct network_line *line, const struct run_report *r, int cores,
                           struct prediction_basis *out)
 {
-    *out = (struct prediction_basis){.m = line->m, .b = line->b, .processors = processors};
+    *out = (struct prediction_basis){.m = line->m, .b = line->b, .processors = processors_of(r, cores),
+                                     .apart = has_own(r, cores)};
     for (int k = 0; k < r->ranks; k++) {
         const struct server_times *t = &r->servers[k].times;
         double computing = t->forces + t->integrate + t->rebuild;
@@ -87,6 +100,7 @@ bool prediction_explain(const struct run_report *r, const struct prediction_basi
         const struct server_times *t = &r->servers[k].times;
         double steps = (double)r->steps;
         servers[k] = (struct explain_server){.computing = (t->forces + t->integrate + t->rebuild) / steps,
+                                             .ahead = t->ahead / steps,
                                              .packing = (t->pack + t->unpack) / steps,
                                              .mirrored = (double)r->servers[k].mirrored,
                                              .migrants = (double)t->migrants / steps};
@@ -97,6 +111,7 @@ bool prediction_explain(const struct run_report *r, const struct prediction_basi
                                      .work = basis->work,
                                      .m = basis->m,
                                      .b = basis->b,
+                                     .apart = basis->apart,
                                      .g = (double)r->update_bytes,
                                      .g_migrant = MIGRANT_BYTES,
                                      .measured = r->stepping / (double)r->timed,

@@ -247,9 +247,9 @@ static bool read_log(const char *log, struct run_report *out)
 
 static enum dm2_status read_table(const char *path, struct run_report *out, struct dm2_error *err)
 {
-    enum { COLUMNS = 11 };
+    enum { COLUMNS = 12 };
     static const char *const names[COLUMNS] = {"cells",    "elements", "mirrored", "steps", "forces [s]", "integrate [s]",
-                                               "rebuild [s]", "pack [s]", "unpack [s]", "cpu [s]", "migrants"};
+                                               "rebuild [s]", "pack [s]", "unpack [s]", "cpu [s]", "migrants", "ahead [s]"};
     struct csv csv;
     enum dm2_status status = csv_read(path, &csv, err);
     if (status != DM2_OK)
@@ -269,7 +269,8 @@ static enum dm2_status read_table(const char *path, struct run_report *out, stru
             struct server_report *s = &out->servers[k];
             struct server_times *t = &s->times;
             double *const seconds[COLUMNS] = {[4] = &t->forces, [5] = &t->integrate, [6] = &t->rebuild,
-                                              [7] = &t->pack,   [8] = &t->unpack,    [9] = &t->cpu};
+                                              [7] = &t->pack,   [8] = &t->unpack,    [9] = &t->cpu,
+                                              [11] = &t->ahead};
             uint64_t *const counts[COLUMNS] = {[1] = &s->owned, [2] = &s->mirrored, [3] = &t->steps, [10] = &t->migrants};
             double value = x[k] >= 0 && x[k] < 1e18 ? x[k] : 0;
             if (c == 0)

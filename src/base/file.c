@@ -225,6 +225,19 @@ enum dm2_status file_rename(const char *from, const char *to, struct dm2_error *
     return error == 0 ? DM2_OK : dm2_fail(err, DM2_IO, "%s: cannot bring its directory to disk: %s", to, strerror(error));
 }
 
+enum dm2_status file_make_directory(const char *path, bool *made, struct dm2_error *err)
+{
+    *made = mkdir(path, 0777) == 0;
+    if (!*made && errno != EEXIST)
+        return dm2_fail(err, DM2_IO, "%s: cannot make the directory: %s", path, strerror(errno));
+    int error = *made ? sync_directory_of(path) : 0;
+    if (error == 0)
+        return DM2_OK;
+    *made = false;
+    (void)rmdir(path);
+    return dm2_fail(err, DM2_IO, "%s: cannot bring the new directory to disk: %s", path, strerror(error));
+}
+
 void file_abandon(struct file_out *f)
 {
     if (f->path == NULL)

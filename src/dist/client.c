@@ -122,9 +122,13 @@ struct client {
 /* --- failures ---------------------------------------------------------------------------------------------
  */
 
+static int64_t starting_step(const struct client *c);
+
 static void when(const struct client *c, char *out, size_t size)
 {
-    if (c->at < 0)
+    if (c->at < 0 && c->course->stepping)
+        (void)snprintf(out, size, "set-up again from step %lld", (long long)starting_step(c));
+    else if (c->at < 0)
         (void)snprintf(out, size, "before the first step");
     else
         (void)snprintf(out, size, "step %lld", (long long)c->at);
@@ -420,9 +424,11 @@ static enum dm2_status connect_all(struct client *c, struct dm2_error *err)
         (void)snprintf(name, sizeof name, "%s:%d", e->host, e->port);
         enum dm2_status status = connect_one(c, e, last, &fd, &why);
         if (status != DM2_OK) {
+            char step[64];
+            when(c, step, sizeof step);
             c->culprit = k;
             channel_open(&c->peers[k].channel, -1, PROTOCOL_VERSION, name);
-            return dm2_fail(err, status, "server %d of %d, before the first step: %s", k, c->ranks, why.text);
+            return dm2_fail(err, status, "server %d of %d, %s: %s", k, c->ranks, step, why.text);
         }
         channel_open(&c->peers[k].channel, fd, PROTOCOL_VERSION, name);
         c->peers[k].open = true;

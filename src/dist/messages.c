@@ -318,6 +318,7 @@ void message_put_done(struct bytes_writer *w, const struct done_message *m)
     bytes_put_f64(w, t->wait);
     bytes_put_f64(w, t->unpack);
     bytes_put_f64(w, t->output);
+    bytes_put_f64(w, t->ahead);
     bytes_put_f64(w, t->cpu);
     bytes_put_u64(w, t->steps);
     bytes_put_u64(w, t->rebuilds);
@@ -340,6 +341,7 @@ void message_get_done(struct bytes_reader *r, struct done_message *m)
     t->wait = get_seconds(r);
     t->unpack = get_seconds(r);
     t->output = get_seconds(r);
+    t->ahead = get_seconds(r);
     t->cpu = get_seconds(r);
     t->steps = bytes_get_u64(r);
     t->rebuilds = bytes_get_u64(r);

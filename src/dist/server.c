@@ -5,7 +5,8 @@
  * client and frees everything. Nothing survives a session: the next client meets a server as fresh as the
  * first did.
  *
- * A step: forces, move, pack, one STEP message out, one NEXT message in, take. What the client asked for with
+ * A step: forces, move, pack, one STEP message out, one NEXT message in, take. Between the two messages the forces of the
+ * next step begin, for all pairs that need nothing from the message. What the client asked for with
  * its last NEXT decides whether the segments are updates or the parcels of a rebuild; with `redo` it asks for
  * the latter after all, and the same step is sent again. */
 #include "dm2/dist/server.h"
@@ -49,6 +50,7 @@ struct session {
     struct exchange exchange;
     double timeout;
     double heard; /* when the last message had come: work since then is `busy` */
+    double ahead; /* seconds of work on this step before that */
     bool counts;  /* the processor's seconds, since `counted`; see count_cpu */
     double counted;
     struct server_times times;
@@ -344,8 +346,6 @@ static enum dm2_status check_assignment(struct session *s, struct dm2_error *err
     return DM2_OK;
 }
 
-enum { PAIRS_MOST = 64 }; /* per element, in the state to start from: far more than fit around one */
-
 /* What is known of the state to start from. */
 struct intake {
     struct element *elements;
@@ -361,8 +361,8 @@ static enum dm2_status take_part(struct intake *in, const struct model *model, c
     void *elements = in->elements, *pairs = in->pairs;
     if (!m->last && m->n_elements == 0 && m->n_pairs == 0)
         return dm2_fail(err, DM2_PROTOCOL, "the client sent an empty part of a state");
-    if (in->n_pairs + m->n_pairs > PAIRS_MOST * limits.elements)
-        return dm2_fail(err, DM2_PROTOCOL, "the client sent more than %d pairs per element", PAIRS_MOST);
+    if (in->n_pairs + m->n_pairs > WIRE_PAIRS_MOST * limits.elements)
+        return dm2_fail(err, DM2_PROTOCOL, "the client sent more than %d pairs per element", WIRE_PAIRS_MOST);
     int failed = mem_grow(&elements, &in->elements_cap, in->n_elements, in->n_elements + m->n_elements,
                           sizeof *in->elements);
     in->elements = elements;
@@ -560,7 +560,8 @@ static enum dm2_status send_step(struct session *s, struct step_message *m, stru
     if (status != DM2_OK)
         return status;
     double rebuild = tally(s), now = clock_now();
-    m->busy = now - s->heard;
+    m->busy = now - s->heard + s->ahead;
+    s->ahead = 0.0;
     s->times.pack += now - start - rebuild;
     s->times.migrants += m->migrants;
     size_t length = s->out.length;
@@ -592,6 +593,19 @@ static enum dm2_status get_next(struct session *s, int64_t step, struct next_mes
     return DM2_OK;
 }
 
+/* While the others' states are on the way: what of the next step needs none of them. */
+static void work_ahead(struct session *s, int64_t step)
+{
+    if (step == s->config.steps)
+        return; /* the final state comes first */
+    double start = clock_now();
+    (void)count_cpu(s, true);
+    subdomain_forces_ahead(s->sd, results_measure_due(&s->config, step));
+    (void)count_cpu(s, false);
+    s->ahead = clock_now() - start;
+    s->times.ahead += s->ahead;
+}
+
 /* The exchange after a step; *asked says how, and gets how the next one will be. */
 static enum dm2_status exchange_step(struct session *s, struct step_message *m, struct next_message *asked,
                                      struct dm2_error *err)
@@ -600,6 +614,8 @@ static enum dm2_status exchange_step(struct session *s, struct step_message *m, 
     struct bytes_reader r;
     m->rebuild = asked->rebuild_next;
     enum dm2_status status = send_step(s, m, err);
+    if (status == DM2_OK && !m->rebuild)
+        work_ahead(s, m->step);
     if (status == DM2_OK)
         status = get_next(s, m->step, &next, &r, err);
     if (status == DM2_OK && next.redo) {

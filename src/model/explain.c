@@ -28,6 +28,7 @@ struct explanation explain_run(const struct explain_input *in)
     for (int k = 0; k < in->servers; k++) {
         const struct explain_server *s = &in->server[k];
         mean.computing += s->computing / in->servers;
+        mean.ahead += s->ahead / in->servers;
         mean.packing += s->packing / in->servers;
         mean.mirrored += s->mirrored / in->servers;
         mean.migrants += s->migrants / in->servers;
@@ -35,7 +36,8 @@ struct explanation explain_run(const struct explain_input *in)
     }
     int processors = in->processors < in->servers ? in->processors : in->servers;
     e.computing = in->work / processors;
-    e.communication = in->m * in->g * mean.mirrored + in->b;
+    double hides = in->apart && mean.computing > 0 ? mean.ahead / mean.computing : 0;
+    e.communication = fmax(0, in->m * in->g * mean.mirrored + in->b - hides * e.computing);
     e.predicted = e.computing + e.communication;
     e.share[EXPLAIN_COMPUTING] = mean.computing - e.computing;
     e.share[EXPLAIN_IMBALANCE] = most - mean.computing;

@@ -30,7 +30,12 @@ static void number_cells(struct cells *c, const struct domain_map *map, int rank
         int n = grid_neighbours(map->grid, cell, around);
         for (int k = 0; k < n; k++)
             c->seen_by[cell] |= map->owner[around[k]] != map->owner[cell];
-        if (map->owner[cell] == rank)
+        if (map->owner[cell] == rank && !c->seen_by[cell])
+            c->local_of[cell] = c->n_inside++;
+    }
+    c->n_own = c->n_inside;
+    for (int cell = 0; cell < total; cell++) {
+        if (map->owner[cell] == rank && c->seen_by[cell])
             c->local_of[cell] = c->n_own++;
     }
     for (int cell = 0; cell < total; cell++) {

@@ -41,15 +41,18 @@ static inline double far_pair(const struct pair_law *law, double r2, double r0, 
 }
 
 /* The plain loop: any mix of kinds and potentials, and measuring. */
-static inline void far_rows(struct pass *pass, const struct half_list *list, bool uniform, bool measure)
+static inline void far_rows(struct pass *pass, const struct lists *lists, bool uniform, bool measure)
 {
+    const struct half_list *list = &lists->far;
     const struct model *m = pass->m;
     struct particles *p = pass->p;
     const double *r = p->r, scale = m->fixed.far_force;
     int64_t *sum = p->far_sum;
     const struct pair_law *law = m->laws;
     double r0 = 2.0 * m->radius_max;
-    for (uint32_t i = 0; i < p->n_own; i++) {
+    uint32_t first, last;
+    lists_rows(lists, p, pass->part, &first, &last);
+    for (uint32_t i = first; i < last; i++) {
         double x = r[2 * i], y = r[2 * i + 1];
         int64_t fx_i = 0, fy_i = 0;
         bool bad = false;
@@ -224,49 +227,47 @@ DM2_WIDE static double measure_periodic(struct pass *pass, const struct inner_li
     return measure_quads(pass, list, true);
 }
 
-/* Virial and energy of all pairs; false where a number left the range of lanes: then neither counts. */
+/* Virial and energy of all pairs; false where a number left the range of lanes: then neither means anything. */
 static bool measure_wide(struct pass *pass, const struct inner_list *list)
 {
-    const struct exact_sum before = pass->potential;
     bool periodic = pass->m->grid.periodic[0] || pass->m->grid.periodic[1];
-    if ((periodic ? measure_periodic(pass, list) : measure_free(pass, list)) < far_range)
-        return true;
-    pass->potential = before;
-    memset(pass->p->virial, 0, pass->p->n * VIRIAL_COUNT * sizeof *pass->p->virial);
-    return false;
+    return (periodic ? measure_periodic(pass, list) : measure_free(pass, list)) < far_range;
 }
 
 static void far_wide(struct pass *pass, struct lists *lists)
 {
     const struct model *m = pass->m;
-    if (inner_list_prepare(&lists->inner, &lists->far, pass->p, m->far_cutoff, m->config->delta_r, pass->period,
+    struct inner_list *inner = &lists->inner[pass->part];
+    uint32_t first, last;
+    lists_rows(lists, pass->p, pass->part, &first, &last);
+    const struct inner_part part = {first, last, pass->part == PART_INSIDE ? pass->p->n_own : pass->p->n};
+    if (inner_list_prepare(inner, &lists->far, &part, pass->p, m->far_cutoff, m->config->delta_r, pass->period,
                            pass->half) != 0) {
         pass->no_memory = true;
         return;
     }
-    if (pass->totals != NULL && !measure_wide(pass, &lists->inner)) {
-        far_rows(pass, &lists->far, true, true);
+    if (pass->totals != NULL && !measure_wide(pass, inner)) {
+        pass->far_plain = true;
         return;
     }
     bool periodic = m->grid.periodic[0] || m->grid.periodic[1];
-    double least = periodic ? lennard_jones_periodic(pass, &lists->inner) : lennard_jones_free(pass, &lists->inner);
+    double least = periodic ? lennard_jones_periodic(pass, inner) : lennard_jones_free(pass, inner);
     if (least < m->laws->r2_least)
-        far_rows(pass, &lists->far, true, false); /* finds which pair it was; the run ends */
+        far_rows(pass, lists, true, false); /* finds which pair it was; the run ends */
 }
 
 void far_evaluate(struct pass *pass, struct lists *lists)
 {
     const struct model *m = pass->m;
-    const struct half_list *list = &lists->far;
     bool measure = pass->totals != NULL;
-    if (m->wide_far && !pass->plain)
+    if (m->wide_far && !pass->plain && !pass->far_plain)
         far_wide(pass, lists);
     else if (m->uniform_far && measure)
-        far_rows(pass, list, true, true);
+        far_rows(pass, lists, true, true);
     else if (m->uniform_far)
-        far_rows(pass, list, true, false);
+        far_rows(pass, lists, true, false);
     else if (measure)
-        far_rows(pass, list, false, true);
+        far_rows(pass, lists, false, true);
     else
-        far_rows(pass, list, false, false);
+        far_rows(pass, lists, false, false);
 }

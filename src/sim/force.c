@@ -137,10 +137,12 @@ DM2_INLINE void near_row(struct pass *pass, struct lists *l, uint32_t i, bool me
         pass->p->pair_sum[SUM_COUNT * (size_t)i + s] += sums[s];
 }
 
-/* All rows, compiled for what each deck needs. */
+/* The rows of a part, compiled for what each deck needs. */
 DM2_INLINE void near_rows(struct pass *pass, struct lists *l, bool measure, bool spin, bool periodic)
 {
-    for (uint32_t i = 0; i < pass->p->n_own; i++)
+    uint32_t first, last;
+    lists_rows(l, pass->p, pass->part, &first, &last);
+    for (uint32_t i = first; i < last; i++)
         near_row(pass, l, i, measure, spin, periodic);
 }
 
@@ -172,9 +174,10 @@ static void near_single(struct pass *pass, struct lists *l, uint32_t i, uint32_t
 
 DM2_INLINE void single_rows(struct pass *pass, struct lists *l, bool measure)
 {
-    for (size_t s = 0; s < l->links.n_single; s++) {
-        uint32_t i = l->links.single[s].i;
-        near_pair(pass, l, i, l->links.single[s].k, pass->p->pair_sum + SUM_COUNT * (size_t)i, measure, true, true);
+    const struct link_list *links = &l->links[pass->part];
+    for (size_t s = 0; s < links->n_single; s++) {
+        uint32_t i = links->single[s].i;
+        near_pair(pass, l, i, links->single[s].k, pass->p->pair_sum + SUM_COUNT * (size_t)i, measure, true, true);
     }
 }
 
@@ -191,7 +194,7 @@ DM2_WIDE static void near_singles_measured(struct pass *pass, struct lists *l)
 /* Links in quads, then what stands alone. */
 static void near_sorted(struct pass *pass, struct lists *l)
 {
-    pass->no_memory = link_list_prepare(l, pass->m, pass->p) != 0;
+    pass->no_memory |= link_list_prepare(l, (int)pass->part, pass->m, pass->p) != 0;
     if (pass->no_memory)
         return;
     near_wide(pass, l, near_single);
@@ -216,26 +219,77 @@ static void near_evaluate(struct pass *pass, struct lists *l)
         near_central(pass, l);
 }
 
-static void evaluate(struct pass *pass, struct lists *lists)
+/* --- one evaluation ---------------------------------------------------------------------------------------------- */
+
+static void clear_far(const struct pass *pass)
 {
-    const struct model *m = pass->m;
-    struct particles *p = pass->p;
-    if (pass->totals != NULL) {
+    const struct particles *p = pass->p;
+    if (pass->totals != NULL)
         memset(p->virial, 0, p->n * VIRIAL_COUNT * sizeof *p->virial);
-        if (m->has_near)
-            memset(p->around, 0, p->n * AROUND_COUNT * sizeof *p->around);
-    }
     if (p->far_sum != NULL)
         memset(p->far_sum, 0, (p->n + 1) * 2 * sizeof *p->far_sum);
-    if (m->has_near)
+}
+
+static void clear_sums(const struct pass *pass)
+{
+    const struct particles *p = pass->p;
+    clear_far(pass);
+    if (pass->totals != NULL && pass->m->has_near)
+        memset(p->around, 0, p->n * AROUND_COUNT * sizeof *p->around);
+    if (pass->m->has_near)
         memset(p->pair_sum, 0, p->n * SUM_COUNT * sizeof *p->pair_sum);
-    if (m->has_far)
-        far_evaluate(pass, lists);
-    if (m->has_near)
-        near_evaluate(pass, lists);
+}
+
+/* All that is left to do. Where measured far pairs leave the range of lanes they begin again: nothing near has been
+ * measured by then. */
+static void evaluate(struct pass *pass, struct lists *l)
+{
+    const struct model *m = pass->m;
+    int first = pass->ahead ? PART_EDGE : PART_INSIDE;
+    if (!pass->ahead)
+        clear_sums(pass);
+    for (int part = first; part < PART_COUNT && m->has_far; part++) {
+        pass->part = (enum list_part)part;
+        bool plain = pass->far_plain;
+        far_evaluate(pass, l);
+        if (pass->far_plain && !plain) {
+            clear_far(pass);
+            pass->potential = (struct exact_sum){0};
+            part = PART_INSIDE - 1;
+        }
+    }
+    for (int part = first; part < PART_COUNT && m->has_near; part++) {
+        pass->part = (enum list_part)part;
+        near_evaluate(pass, l);
+    }
+}
+
+static struct pass start(const struct model *m, struct particles *p, double dt_kick, double dt_path,
+                         struct pair_totals *totals)
+{
+    struct pass pass = {.m = m, .p = p, .dt_kick = dt_kick, .dt_path = dt_path, .totals = totals};
+    for (int a = 0; a < 2; a++) {
+        pass.period[a] = m->grid.periodic[a] ? m->grid.size[a] : 0.0;
+        pass.half[a] = m->grid.periodic[a] ? 0.5 * m->grid.size[a] : INFINITY;
+    }
+    if (totals != NULL)
+        *totals = (struct pair_totals){0};
+    return pass;
 }
 
 #ifdef DM2_DEBUG
+/* One array that an evaluation changes: before it, and after the fast paths. */
+struct watched {
+    void *array, *before, *after;
+    size_t bytes;
+    bool result; /* not read by an evaluation */
+};
+
+enum { WATCHED = 7 };
+struct force_check {
+    struct watched w[WATCHED];
+};
+
 /* A copy of `bytes` bytes; the debug flavour does without its check where there is no memory. */
 static void *copy_of(const void *from, size_t bytes)
 {
@@ -245,34 +299,48 @@ static void *copy_of(const void *from, size_t bytes)
     return copy;
 }
 
-/* One array that an evaluation changes: before it, and after the fast paths. */
-struct watched {
-    void *array, *before, *after;
-    size_t bytes;
-    bool result; /* not read by an evaluation */
-};
-
-/* Evaluates by the fast paths, then again by the plain loops from the same memory: every bit must agree. */
-static void evaluate_checked(struct pass *pass, struct lists *l)
+/* Before anything is evaluated: what the memory of pairs is. */
+static void check_start(struct pass *pass, const struct lists *l)
 {
-    struct particles *p = pass->p;
+    const struct particles *p = pass->p;
     size_t pairs = pass->m->has_near ? l->near.start[p->n_own] : 0;
-    struct watched w[] = {{.array = l->linked, .bytes = pairs * sizeof *l->linked},
-                          {.array = l->stretch, .bytes = pairs * sizeof *l->stretch},
-                          {.array = l->spring, .bytes = pairs * sizeof *l->spring},
-                          {.array = p->far_sum, .bytes = p->n * 2 * sizeof *p->far_sum, .result = true},
-                          {.array = p->pair_sum, .bytes = p->n * SUM_COUNT * sizeof *p->pair_sum, .result = true},
-                          {.array = p->virial, .bytes = p->n * VIRIAL_COUNT * sizeof *p->virial, .result = true},
-                          {.array = p->around, .bytes = p->n * AROUND_COUNT * sizeof *p->around, .result = true}};
-    enum { WATCHED = sizeof w / sizeof w[0] };
-    struct pass plain = *pass;
-    struct pair_totals totals = {0};
-    plain.plain = true;
-    plain.totals = pass->totals != NULL ? &totals : NULL;
+    const struct force_check check = {
+        .w = {{.array = l->linked, .bytes = pairs * sizeof *l->linked},
+              {.array = l->stretch, .bytes = pairs * sizeof *l->stretch},
+              {.array = l->spring, .bytes = pairs * sizeof *l->spring},
+              {.array = p->far_sum, .bytes = p->n * 2 * sizeof *p->far_sum, .result = true},
+              {.array = p->pair_sum, .bytes = p->n * SUM_COUNT * sizeof *p->pair_sum, .result = true},
+              {.array = p->virial, .bytes = p->n * VIRIAL_COUNT * sizeof *p->virial, .result = true},
+              {.array = p->around, .bytes = p->n * AROUND_COUNT * sizeof *p->around, .result = true}}};
+    pass->check = malloc(sizeof check);
+    if (pass->check == NULL)
+        return;
+    *pass->check = check;
     for (int k = 0; k < WATCHED; k++)
-        w[k].before = copy_of(w[k].array, w[k].bytes);
-    evaluate(pass, l);
-    bool check = !pass->bad && !pass->no_memory;
+        pass->check->w[k].before = copy_of(check.w[k].array, check.w[k].bytes);
+}
+
+static void check_end(struct pass *pass)
+{
+    for (int k = 0; pass->check != NULL && k < WATCHED; k++) {
+        free(pass->check->w[k].before);
+        free(pass->check->w[k].after);
+    }
+    free(pass->check);
+    pass->check = NULL;
+}
+
+/* After the fast paths: evaluates again by the plain loops from the same memory. Every bit must agree. */
+static void check_pass(struct pass *pass, struct lists *l)
+{
+    struct watched *w = pass->check != NULL ? pass->check->w : NULL;
+    struct pair_totals totals = {0};
+    struct pass plain = *pass;
+    plain.plain = true;
+    plain.ahead = false;
+    plain.potential = plain.elastic = (struct exact_sum){0};
+    plain.totals = pass->totals != NULL ? &totals : NULL;
+    bool check = w != NULL && !pass->bad && !pass->no_memory;
     for (int k = 0; k < WATCHED && check; k++) {
         w[k].after = copy_of(w[k].array, w[k].bytes);
         check = w[k].array == NULL || (w[k].before != NULL && w[k].after != NULL);
@@ -287,42 +355,82 @@ static void evaluate_checked(struct pass *pass, struct lists *l)
         assert(memcmp(&plain.elastic, &pass->elastic, sizeof plain.elastic) == 0);
         assert(pass->totals == NULL || memcmp(&totals, pass->totals, sizeof totals) == 0);
     }
-    for (int k = 0; k < WATCHED; k++) {
+    for (int k = 0; k < WATCHED; k++)
         assert(!check || w[k].array == NULL || memcmp(w[k].array, w[k].after, w[k].bytes) == 0);
-        free(w[k].before);
-        free(w[k].after);
-    }
+    check_end(pass);
+}
+#else
+static void check_start(struct pass *pass, const struct lists *l)
+{
+    (void)pass;
+    (void)l;
+}
+
+static void check_end(struct pass *pass)
+{
+    (void)pass;
+}
+
+static void check_pass(struct pass *pass, struct lists *l)
+{
+    (void)pass;
+    (void)l;
 }
 #endif
+
+void force_ahead(struct pass *pass, const struct model *m, struct particles *p, struct lists *lists, double dt_kick,
+                 double dt_path, struct pair_totals *totals)
+{
+    *pass = start(m, p, dt_kick, dt_path, totals);
+    if (lists->n_inside == 0 || m->has_kinds || (m->has_far && totals != NULL) ||
+        (m->has_near && lists_keep_memory(lists) != 0))
+        return;
+    check_start(pass, lists);
+    pass->ahead = true;
+    clear_sums(pass);
+    pass->part = PART_INSIDE;
+    if (m->has_far)
+        far_evaluate(pass, lists);
+    if (m->has_near)
+        near_evaluate(pass, lists);
+}
+
+void force_drop(struct pass *pass, struct lists *lists)
+{
+    if (pass->ahead && pass->m->has_near)
+        lists_restore_memory(lists);
+    check_end(pass);
+    pass->ahead = false;
+}
+
+enum dm2_status force_rest(struct pass *pass, struct lists *lists, int64_t step, struct dm2_error *err)
+{
+    const struct particles *p = pass->p;
+    if (p->n == 0)
+        return DM2_OK; /* and perhaps no array to clear */
+    if (!pass->ahead)
+        check_start(pass, lists);
+    evaluate(pass, lists);
+    check_pass(pass, lists);
+    pass->ahead = false;
+    if (pass->no_memory)
+        return dm2_fail(err, DM2_MEMORY, "no memory to sort the pairs of %zu elements", p->n_own);
+    if (pass->bad)
+        return dm2_fail(err, DM2_NUMERIC,
+                        "step %lld: the force between elements %u and %u, near (%g, %g) cm, is out of range: they are too "
+                        "close or too fast; a smaller dt may help",
+                        (long long)step, p->id[pass->bad_i], p->id[pass->bad_j], p->r[2 * pass->bad_i],
+                        p->r[2 * pass->bad_i + 1]);
+    if (pass->totals != NULL) {
+        pass->totals->potential = pass->potential;
+        pass->totals->elastic = pass->elastic;
+    }
+    return DM2_OK;
+}
 
 enum dm2_status force_evaluate(const struct model *m, struct particles *p, struct lists *lists, double dt_kick,
                                double dt_path, struct pair_totals *totals, int64_t step, struct dm2_error *err)
 {
-    struct pass pass = {.m = m, .p = p, .dt_kick = dt_kick, .dt_path = dt_path, .totals = totals};
-    for (int a = 0; a < 2; a++) {
-        pass.period[a] = m->grid.periodic[a] ? m->grid.size[a] : 0.0;
-        pass.half[a] = m->grid.periodic[a] ? 0.5 * m->grid.size[a] : INFINITY;
-    }
-    if (totals != NULL)
-        *totals = (struct pair_totals){0};
-    if (p->n == 0)
-        return DM2_OK; /* and perhaps no array to clear */
-#ifdef DM2_DEBUG
-    evaluate_checked(&pass, lists);
-#else
-    evaluate(&pass, lists);
-#endif
-    if (pass.no_memory)
-        return dm2_fail(err, DM2_MEMORY, "no memory to sort the pairs of %zu elements", p->n_own);
-    if (pass.bad)
-        return dm2_fail(err, DM2_NUMERIC,
-                        "step %lld: the force between elements %u and %u, near (%g, %g) cm, is out of range: they are too "
-                        "close or too fast; a smaller dt may help",
-                        (long long)step, p->id[pass.bad_i], p->id[pass.bad_j], p->r[2 * pass.bad_i],
-                        p->r[2 * pass.bad_i + 1]);
-    if (totals != NULL) {
-        totals->potential = pass.potential;
-        totals->elastic = pass.elastic;
-    }
-    return DM2_OK;
+    struct pass pass = start(m, p, dt_kick, dt_path, totals);
+    return force_rest(&pass, lists, step, err);
 }

@@ -21,9 +21,9 @@ static const int worth = 3;
 #define POSITION(c) (*(const simd_real2 *)(const void *)(r + (c)))
 
 /* The far list whole, in quads. */
-static void take_all(struct inner_list *inner, const struct half_list *far, size_t n_own)
+static void take_all(struct inner_list *inner, const struct half_list *far, const struct inner_part *part)
 {
-    for (size_t i = 0; i < n_own; i++) {
+    for (size_t i = part->first; i < part->last; i++) {
         for (uint32_t k = far->start[i]; k < far->start[i + 1]; k += SIMD_LANES) {
             struct far_quad *q = &inner->quad[inner->n++];
             q->i = 2 * (uint32_t)i;
@@ -33,15 +33,15 @@ static void take_all(struct inner_list *inner, const struct half_list *far, size
 }
 
 /* The pairs within `reach`. Lanes are written one after the other and the cursor moves on where a pair is kept. */
-DM2_WIDE static void take_near(struct inner_list *inner, const struct half_list *far, const struct particles *p,
-                               double reach, const double period[2], const double half[2])
+DM2_WIDE static void take_near(struct inner_list *inner, const struct half_list *far, const struct inner_part *part,
+                               const struct particles *p, double reach, const double period[2], const double half[2])
 {
     const double *r = p->r, reach2 = reach * reach;
     const simd_real zero = {0.0}, period_x = zero + period[0], period_y = zero + period[1];
     const simd_real half_x = zero + half[0], half_y = zero + half[1];
     const uint32_t nobody = 2 * (uint32_t)p->n;
     size_t n = 0;
-    for (size_t i = 0; i < p->n_own; i++) {
+    for (size_t i = part->first; i < part->last; i++) {
         double x = r[2 * i], y = r[2 * i + 1];
         struct far_quad *q = &inner->quad[n];
         size_t lane = 0;
@@ -72,13 +72,13 @@ DM2_WIDE static void take_near(struct inner_list *inner, const struct half_list 
     inner->n = n;
 }
 
-/* Greatest squared distance from the positions of the last drawing. */
-static double moved2(const struct inner_list *inner, const struct particles *p, const double period[2],
-                     const double half[2])
+/* Greatest squared distance from the positions of the last drawing. (A pair's lower slot is in the part's rows.) */
+static double moved2(const struct inner_list *inner, const struct inner_part *part, const struct particles *p,
+                     const double period[2], const double half[2])
 {
-    const double *r = p->r, *was = inner->drawn;
+    const double *r = p->r + 2 * part->first, *was = inner->drawn;
     double most = 0.0;
-    for (size_t i = 0; i < p->n; i++) {
+    for (size_t i = 0; i < part->beyond - part->first; i++) {
         double dx = lists_wrap(r[2 * i] - was[2 * i], period[0], half[0]);
         double dy = lists_wrap(r[2 * i + 1] - was[2 * i + 1], period[1], half[1]), d2 = dx * dx + dy * dy;
         most = d2 > most ? d2 : most;
@@ -97,27 +97,29 @@ static int reserve(struct inner_list *inner, size_t pairs, size_t n)
     return status;
 }
 
-int inner_list_prepare(struct inner_list *inner, const struct half_list *far, const struct particles *p, double cutoff,
-                       double reach_more, const double period[2], const double half[2])
+int inner_list_prepare(struct inner_list *inner, const struct half_list *far, const struct inner_part *part,
+                       const struct particles *p, double cutoff, double reach_more, const double period[2],
+                       const double half[2])
 {
+    size_t slots = part->beyond - part->first;
     inner->served++;
     if (inner->valid) {
-        if (isinf(inner->margin) || moved2(inner, p, period, half) <= 0.25 * (inner->margin * inner->margin))
+        if (isinf(inner->margin) || moved2(inner, part, p, period, half) <= 0.25 * (inner->margin * inner->margin))
             return 0;
         inner->margin = inner->served > worth ? margin_share * reach_more : INFINITY;
     } else {
         inner->margin = margin_share * reach_more;
     }
-    if (reserve(inner, far->start[p->n_own], p->n) != 0)
+    if (reserve(inner, far->start[part->last] - far->start[part->first], slots) != 0)
         return -1;
     inner->n = 0;
     inner->served = 0;
     inner->valid = true;
     if (isinf(inner->margin)) {
-        take_all(inner, far, p->n_own);
+        take_all(inner, far, part);
     } else {
-        take_near(inner, far, p, cutoff + inner->margin, period, half);
-        memcpy(inner->drawn, p->r, p->n * 2 * sizeof *inner->drawn);
+        take_near(inner, far, part, p, cutoff + inner->margin, period, half);
+        memcpy(inner->drawn, p->r + 2 * part->first, slots * 2 * sizeof *inner->drawn);
     }
     if (inner->n > 0)
         inner->quad[inner->n] = inner->quad[inner->n - 1];

@@ -48,15 +48,17 @@ static int lay_out(struct link_list *links, size_t n_laws, size_t pairs)
                : 0;
 }
 
-static int sort_pairs(struct lists *l, const struct model *m, const struct particles *p)
+static int sort_pairs(struct lists *l, enum list_part part, const struct model *m, const struct particles *p)
 {
-    struct link_list *links = &l->links;
+    struct link_list *links = &l->links[part];
     size_t n_laws = m->n_kinds * m->n_kinds * RELATION_COUNT;
+    uint32_t first, last;
+    lists_rows(l, p, part, &first, &last);
     if (grow(&links->group, &links->group_cap, n_laws, sizeof *links->group) != 0)
         return -1;
     for (size_t a = 0; a < n_laws; a++)
         links->group[a] = (struct link_group){.law = &m->laws[a]};
-    for (uint32_t i = 0; i < p->n_own; i++) {
+    for (uint32_t i = first; i < last; i++) {
         for (uint32_t k = l->near.start[i]; k < l->near.start[i + 1]; k++) {
             const struct pair_law *law = quad_law(l, m, p, i, k);
             if (law != NULL)
@@ -64,12 +66,12 @@ static int sort_pairs(struct lists *l, const struct model *m, const struct parti
         }
     }
     size_t *placed = mem_zalloc(n_laws, sizeof *placed);
-    if (placed == NULL || lay_out(links, n_laws, l->near.start[p->n_own]) != 0) {
+    if (placed == NULL || lay_out(links, n_laws, l->near.start[last] - l->near.start[first]) != 0) {
         free(placed);
         return -1;
     }
     links->n_single = 0;
-    for (uint32_t i = 0; i < p->n_own; i++) {
+    for (uint32_t i = first; i < last; i++) {
         for (uint32_t k = l->near.start[i]; k < l->near.start[i + 1]; k++) {
             const struct pair_law *law = quad_law(l, m, p, i, k);
             size_t a = law != NULL ? (size_t)(law - m->laws) : 0;
@@ -88,13 +90,13 @@ static int sort_pairs(struct lists *l, const struct model *m, const struct parti
     return 0;
 }
 
-int link_list_prepare(struct lists *lists, const struct model *m, const struct particles *p)
+int link_list_prepare(struct lists *lists, int part, const struct model *m, const struct particles *p)
 {
-    struct link_list *links = &lists->links;
+    struct link_list *links = &lists->links[part];
     if (links->valid && (!m->has_kinds || memcmp(links->kind, p->kind, p->n * sizeof *p->kind) == 0))
         return 0;
     links->valid = false;
-    if (sort_pairs(lists, m, p) != 0)
+    if (sort_pairs(lists, (enum list_part)part, m, p) != 0)
         return -1;
     if (m->has_kinds) {
         if (grow(&links->kind, &links->kind_cap, p->n, sizeof *links->kind) != 0)

@@ -309,7 +309,9 @@ enum dm2_status lists_build(struct lists *lists, const struct model *m, const st
                             const struct cells *cells, bool initial, struct dm2_error *err)
 {
     struct builder b = begin(lists, m, p, initial);
-    lists->inner.valid = lists->links.valid = false;
+    for (int part = 0; part < PART_COUNT; part++)
+        lists->inner[part].valid = lists->links[part].valid = false;
+    lists->n_inside = cells->start[cells->n_inside];
     bool all_pairs = m->config->search == SEARCH_LISTS;
     bool binned = m->config->search == SEARCH_CELLS_AND_LISTS && !m->has_far &&
                   bins_lay_out(&lists->bins, &m->grid, sqrt(b.near_reach2), p->n);
@@ -350,10 +352,36 @@ done:
     return status;
 }
 
+int lists_keep_memory(struct lists *l)
+{
+    size_t n = l->near.start[l->n_inside];
+    void *kept = l->kept;
+    int status = mem_grow(&kept, &l->kept_cap, 0, n * (2 * sizeof *l->kept + sizeof *l->linked) + 1, 1);
+    l->kept = kept;
+    if (status != 0 || n == 0)
+        return status;
+    memcpy(l->kept, l->stretch, n * sizeof *l->kept);
+    memcpy(l->kept + n, l->spring, n * sizeof *l->kept);
+    memcpy(l->kept + 2 * n, l->linked, n * sizeof *l->linked);
+    return 0;
+}
+
+void lists_restore_memory(struct lists *l)
+{
+    size_t n = l->near.start[l->n_inside];
+    if (n == 0)
+        return;
+    memcpy(l->stretch, l->kept, n * sizeof *l->kept);
+    memcpy(l->spring, l->kept + n, n * sizeof *l->kept);
+    memcpy(l->linked, l->kept + 2 * n, n * sizeof *l->linked);
+}
+
 void lists_free(struct lists *l)
 {
-    inner_list_free(&l->inner);
-    link_list_free(&l->links);
+    for (int part = 0; part < PART_COUNT; part++) {
+        inner_list_free(&l->inner[part]);
+        link_list_free(&l->links[part]);
+    }
     free(l->far.start);
     free(l->far.j);
     free(l->near.start);
@@ -363,13 +391,17 @@ void lists_free(struct lists *l)
     free(l->spring);
     bins_free(&l->bins);
     free(l->carried_own);
+    free(l->kept);
     free(l->rows);
     *l = (struct lists){0};
 }
 
 size_t lists_bytes(const struct lists *l)
 {
-    return (l->far.row_cap + l->far.cap + l->near.row_cap + l->near.cap) * sizeof(uint32_t) +
-           l->memory_cap * (1 + 2 * sizeof(double)) + bins_bytes(&l->bins) + inner_list_bytes(&l->inner) +
-           link_list_bytes(&l->links) + l->carried_own_cap + l->rows_cap * sizeof *l->rows;
+    size_t bytes = (l->far.row_cap + l->far.cap + l->near.row_cap + l->near.cap) * sizeof(uint32_t) +
+                   l->memory_cap * (1 + 2 * sizeof(double)) + bins_bytes(&l->bins) + l->carried_own_cap +
+                   l->rows_cap * sizeof *l->rows + l->kept_cap;
+    for (int part = 0; part < PART_COUNT; part++)
+        bytes += inner_list_bytes(&l->inner[part]) + link_list_bytes(&l->links[part]);
+    return bytes;
 }

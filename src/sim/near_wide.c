@@ -280,10 +280,11 @@ static inline bool all_linked(const struct lists *l, const struct link_quad *q)
 DM2_INLINE void wide_groups(struct pass *pass, struct lists *l, bool spin, bool periodic, bool measure,
                             take_single *single)
 {
-    for (size_t g = 0; g < l->links.n_groups; g++) {
-        const struct link_group *group = &l->links.group[g];
+    const struct link_list *links = &l->links[pass->part];
+    for (size_t g = 0; g < links->n_groups; g++) {
+        const struct link_group *group = &links->group[g];
         for (size_t done = 0; done < group->n; done += BLOCK) {
-            const struct link_quad *q = l->links.quad + group->first + done;
+            const struct link_quad *q = links->quad + group->first + done;
             size_t n = group->n - done < BLOCK ? group->n - done : BLOCK;
             struct lanes at[BLOCK];
             for (size_t b = 0; b < n; b++)

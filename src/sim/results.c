@@ -205,9 +205,7 @@ static enum dm2_status make_directories(const char *directory, bool *made, struc
         at += strcspn(at, "/");
         char after = *at;
         *at = '\0';
-        *made = mkdir(path, 0777) == 0;
-        if (!*made && errno != EEXIST)
-            status = dm2_fail(err, DM2_IO, "%s: cannot make the directory: %s", path, strerror(errno));
+        status = file_make_directory(path, made, err);
         *at = after;
         if (after == '/' && at[strspn(at, "/")] == '\0')
             break; /* slashes at the end */
@@ -476,11 +474,9 @@ static enum dm2_status write_snapshot(struct results *r, const struct snapshot *
     char *directory = text_join(r->directory, "/", snapshots_name);
     if (directory == NULL)
         return no_memory(err);
-    enum dm2_status status = DM2_OK;
-    if (mkdir(directory, 0777) == 0)
-        r->made_snapshots = true;
-    else if (errno != EEXIST)
-        status = dm2_fail(err, DM2_IO, "%s: cannot make the directory: %s", directory, strerror(errno));
+    bool made;
+    enum dm2_status status = file_make_directory(directory, &made, err);
+    r->made_snapshots |= made;
     if (status == DM2_OK && r->config->output.vtp) {
         status = write_one(directory, "vtp", s, err);
         if (status == DM2_OK)

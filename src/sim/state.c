@@ -2,9 +2,9 @@
  *
  * Every field is encoded by itself, so that the bytes know nothing of this machine's structs. The writer
  * encodes into a block that is checksummed and written when it is full. The reader has the whole file in
- * memory, confirms in this order magic, version, length against the counts, checksum, and then every record,
- * so that a message names the first thing that is wrong; nothing is allocated by a count that the file's
- * length does not bear out. */
+ * memory, confirms in this order magic, version, length against the counts, checksum, fingerprint, and
+ * then every record, so that a message names the first thing that is wrong; nothing is allocated by a count
+ * that the file's length does not bear out. */
 #include "dm2/sim/state.h"
 
 #include <assert.h>
@@ -17,12 +17,13 @@
 #include "dm2/base/bytes.h"
 #include "dm2/base/crc32c.h"
 #include "dm2/base/file.h"
+#include "dm2/base/fingerprint.h"
 #include "dm2/base/mem.h"
 
 static const char magic[8] = {'D', 'M', '2', 'S', 'T', 'A', 'T', 'E'};
 
 enum {
-    HEADER_BYTES = 8 + 4 + STATE_DIGEST_BYTES + 3 * 8,
+    HEADER_BYTES = 8 + 4 + STATE_DIGEST_BYTES + 4 * 8,
     ELEMENT_BYTES = 4 + 4 + 2 + 2 + 1 + 1 + 9 * 8 + 4 * 8 + 2 + 3 * 8 + 2,
     PAIR_BYTES = 4 + 4 + 1 + 2 * 8,
     CRC_BYTES = 4,
@@ -43,6 +44,7 @@ static void put_header(struct bytes_writer *w, const struct state_view *s)
     bytes_put_raw(w, magic, sizeof magic);
     bytes_put_u32(w, STATE_VERSION);
     bytes_put_raw(w, s->digest, STATE_DIGEST_BYTES);
+    bytes_put_u64(w, fingerprint_compute());
     bytes_put_i64(w, s->step);
     bytes_put_u64(w, s->n_elements);
     bytes_put_u64(w, s->n_pairs);
@@ -145,7 +147,7 @@ static enum dm2_status bad(const char *path, struct dm2_error *err, const char *
 
 /* The header and the file's length; the reader stands behind the header then. */
 static enum dm2_status get_header(struct bytes_reader *r, const char *path, struct state *out,
-                                  struct dm2_error *err)
+                                  uint64_t *fingerprint, struct dm2_error *err)
 {
     size_t known = r->length < sizeof magic ? r->length : sizeof magic;
     if (known == 0 || memcmp(r->data, magic, known) != 0)
@@ -159,6 +161,7 @@ static enum dm2_status get_header(struct bytes_reader *r, const char *path, stru
                         "%s: is a state of format version %" PRIu32 ", this program reads version %d", path,
                         version, STATE_VERSION);
     memcpy(out->digest, bytes_get_raw(r, STATE_DIGEST_BYTES), STATE_DIGEST_BYTES);
+    *fingerprint = bytes_get_u64(r);
     out->step = bytes_get_i64(r);
     uint64_t n_elements = bytes_get_u64(r), n_pairs = bytes_get_u64(r);
     uint64_t most = bytes_remaining(r);
@@ -188,6 +191,18 @@ static enum dm2_status check_crc(const struct bytes_reader *r, const char *path,
                         "; copy it again from where it was written",
                         path, stored, computed);
     return DM2_OK;
+}
+
+static enum dm2_status check_fingerprint(uint64_t there, const char *path, struct dm2_error *err)
+{
+    uint64_t here = fingerprint_compute();
+    if (there == here)
+        return DM2_OK;
+    return dm2_fail(err, DM2_PROTOCOL,
+                    "%s: was computed with another arithmetic, of fingerprint %016" PRIx64
+                    "; this program's is %016" PRIx64 ", and would not go on to the same results: "
+                    "continue with a program that is built as that one was",
+                    path, there, here);
 }
 
 static void get_element(struct bytes_reader *r, struct element *e)
@@ -277,9 +292,12 @@ static enum dm2_status decode(const unsigned char *bytes, size_t n, const char *
                               struct dm2_error *err)
 {
     struct bytes_reader r = bytes_reader_of(bytes, n);
-    enum dm2_status status = get_header(&r, path, out, err);
+    uint64_t fingerprint = 0;
+    enum dm2_status status = get_header(&r, path, out, &fingerprint, err);
     if (status == DM2_OK)
         status = check_crc(&r, path, err);
+    if (status == DM2_OK)
+        status = check_fingerprint(fingerprint, path, err);
     if (status != DM2_OK)
         return status;
     if (out->step < 0)

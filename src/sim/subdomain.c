@@ -22,6 +22,7 @@
 #include "dm2/sim/generate.h"
 #include "dm2/sim/leapfrog.h"
 #include "dm2/sim/lists.h"
+#include "dm2/sim/pair_pass.h"
 #include "dm2/sim/phase.h"
 #include "dm2/sim/reaction.h"
 #include "dm2/sim/state_reader.h"
@@ -79,6 +80,7 @@ struct subdomain {
     size_t cell_cap;
     size_t n_leaving;      /* emigrants of the last sort_out, still in their slots until take_in */
     struct pair_totals totals;
+    struct pass pass;      /* the evaluation under way, where one was begun ahead */
     struct strain_sums strain;
     struct reaction_sums reacted; /* of the last evaluation */
     bool measured;         /* totals, virial, surroundings, links and contacts are of the present step */
@@ -602,6 +604,7 @@ void subdomain_free(struct subdomain *sd)
     free(sd->peers);
     cells_free(&sd->cells);
     particles_free(&sd->p);
+    force_drop(&sd->pass, &sd->lists);
     lists_free(&sd->lists);
     strain_free(&sd->strain);
     idmap_free(&sd->ids);
@@ -644,13 +647,29 @@ size_t subdomain_bytes(const struct subdomain *sd)
 
 /* --- a time step ----------------------------------------------------------------------------------------------- */
 
+static bool needs_pressure(const struct model *m)
+{
+    return m->has_pressure || m->has_phases;
+}
+
+void subdomain_forces_ahead(struct subdomain *sd, bool measure)
+{
+    double started = clock_now();
+    const struct model *m = sd->model;
+    force_ahead(&sd->pass, m, &sd->p, &sd->lists, leapfrog_kick_time(m, sd->step), leapfrog_path_time(m, sd->step),
+                measure || needs_pressure(m) ? &sd->totals : NULL);
+    sd->times.forces += clock_now() - started;
+}
+
 enum dm2_status subdomain_forces(struct subdomain *sd, bool measure, struct dm2_error *err)
 {
     double started = clock_now();
     const struct model *m = sd->model;
-    bool pressure = m->has_pressure || m->has_phases, totals = measure || pressure;
+    bool pressure = needs_pressure(m), totals = measure || pressure;
     enum dm2_status status = m->has_kinds ? phase_account(m, &sd->p, &sd->lists, sd->step, err) : DM2_OK;
-    if (status == DM2_OK)
+    if (status == DM2_OK && sd->pass.ahead)
+        status = force_rest(&sd->pass, &sd->lists, sd->step, err);
+    else if (status == DM2_OK)
         status = force_evaluate(sd->model, &sd->p, &sd->lists, leapfrog_kick_time(sd->model, sd->step),
                        leapfrog_path_time(sd->model, sd->step), totals ? &sd->totals : NULL, sd->step, err);
     if (status == DM2_OK && m->reaction.any)
@@ -875,6 +894,7 @@ enum dm2_status subdomain_sort_out(struct subdomain *sd, struct parcel *parcels,
     double started = clock_now();
     size_t n = sd->p.n_own;
     void *cells = sd->cell_of;
+    force_drop(&sd->pass, &sd->lists);
     int32_t *destination = NULL;
     for (int r = 0; r < sd->map.ranks; r++)
         sd->peers[r].migrants.n = sd->peers[r].mirrors.n = sd->peers[r].pairs.n = 0;

@@ -1,6 +1,7 @@
 # What the sources must not contain, whatever they compute: functions that overflow their buffers or run a shell;
 # in what makes results, functions whose last bits differ between C libraries; anything but portable C11. And that
-# each file opens with a comment on its idea, and each public header compiles alone.
+# each file opens with a comment on its idea, nothing lies at the top level that does not belong there, and each public header
+# compiles alone.
 # labels: check
 . "$DM2_SRC/tests/lib.sh"
 
@@ -102,6 +103,13 @@ rm tree/include/dm2/sim/x.h
 # And now the project.
 check_tree "$DM2_SRC" >found
 [ ! -s found ] || { cat found; fail "see docs/architecture.md, \"How the code reads\""; }
+
+# The top level, as far as git keeps it: nothing that was left lying there.
+if [ -d "$DM2_SRC/.git" ] || [ -f "$DM2_SRC/.git" ] && command -v git >/dev/null; then
+    git -C "$DM2_SRC" ls-files 2>/dev/null | sed -e 's,/.*,,' | LC_ALL=C sort -u |
+        grep -v -x -e '\..*' -e Makefile -e README.md -e src -e include -e input -e tests -e scripts -e docs >stray || :
+    [ ! -s stray ] || { cat stray; fail "these do not belong at the top level"; }
+fi
 
 # Every header alone, as the first thing of a source file.
 cc=${CC:-cc}

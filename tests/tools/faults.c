@@ -4,10 +4,10 @@
  *     faults SEED RUNS FAULTS TIMEOUT     seeds from SEED on, until FAULTS faults have happened, of every
  * kind one at least, or RUNS runs are done
  *
- * The working directory has deck.dm2, its sequential results in whole/, and a key file `key`; DM2_BIN and
- * DM2_BUILD are set. A seed chooses the number of servers, 2 to 8, whether there is a key, checkpoints,
- * whether killed servers come back, and one to three faults; what the first is goes round with the seed, so
- * that consecutive seeds cover every kind. Servers live on from run to run.
+ * The working directory has deck.dm2, its sequential results in whole/, their names in `results`, one per line, and a
+ * key file `key`; DM2_BIN and DM2_BUILD are set. A seed chooses the number of servers, 2 to 8, whether there is a
+ * key, checkpoints, whether killed servers come back, and one to three faults; what the first is goes round with the
+ * seed, so that consecutive seeds cover every kind. Servers live on from run to run.
  *
  * A run is right when it ends within its deadline and
  *     same       its results are those of the sequential run to the byte, or
@@ -356,9 +356,27 @@ static enum outcome failed(struct trial *t, const char *why)
     return FAILED;
 }
 
-static bool same_results(void)
+/* Are all results those of the sequential run? `early`: those that are there, but for the list of snapshots, which
+ * grows. */
+static bool same_results(bool early)
 {
-    return same_file("whole/final.dm2", "run/final.dm2") && same_file("whole/history.csv", "run/history.csv");
+    char ours[TEXT], theirs[TEXT], entry[LINE];
+    int n = 0;
+    bool same = true;
+    FILE *list = fopen("results", "r");
+    if (list == NULL)
+        die("results");
+    for (; same && fgets(entry, sizeof entry, list) != NULL; n++) {
+        entry[strcspn(entry, "\n")] = '\0';
+        (void)snprintf(ours, sizeof ours, "whole/%.150s", entry);
+        (void)snprintf(theirs, sizeof theirs, "run/%.150s", entry);
+        if (!early || (is_there(theirs) && strstr(entry, ".pvd") == NULL))
+            same = same_file(ours, theirs);
+    }
+    (void)fclose(list);
+    if (n < 2)
+        die("results");
+    return same;
 }
 
 /* A run that did not come to its end: is what it left whole, and does it lead on? */
@@ -369,15 +387,13 @@ static enum outcome judge_rest(struct trial *t)
     (void)snprintf(path, sizeof path, "%s/%s", bin, t->local ? "dm2-client" : "dm2-seq");
     const char *local[] = {path, "deck.dm2", "-q", "--restart", "run/checkpoint.dm2", "-n", "3", NULL};
     const char *alone[] = {path, "deck.dm2", "-q", "--restart", "run/checkpoint.dm2", NULL};
-    if (is_there("run/final.dm2") && !same_file("whole/final.dm2", "run/final.dm2"))
-        return failed(t, "it ended early, and run/final.dm2 is not the result");
-    if (is_there("run/history.csv") && !same_file("whole/history.csv", "run/history.csv"))
-        return failed(t, "it ended early, and run/history.csv is not the result");
+    if (!same_results(true))
+        return failed(t, "it ended early, and left a result under its final name that is not the result");
     if (!is_there("run/checkpoint.dm2"))
         return is_there("run/checkpoint.prev.dm2") ? failed(t, "the newest checkpoint is missing") : ENDED;
     if (!run(t->local ? local : alone, "err.more", deadline, &status) || status != 0)
         return failed(t, "the restart from the checkpoint failed");
-    return same_results() ? CONTINUED : failed(t, "the restart from the checkpoint gave other results");
+    return same_results(false) ? CONTINUED : failed(t, "the restart from the checkpoint gave other results");
 }
 
 static enum outcome judge(struct trial *t, bool ended, int status)
@@ -389,9 +405,10 @@ static enum outcome judge(struct trial *t, bool ended, int status)
     if (WIFSIGNALED(status))
         return WTERMSIG(status) == SIGKILL && t->client_killed ? judge_rest(t) : failed(t, "it crashed");
     if (WEXITSTATUS(status) == 0)
-        return same_results() ? SAME : failed(t, "its results are not those of the sequential run");
+        return same_results(false) ? SAME : failed(t, "its results are not those of the sequential run");
     if (WEXITSTATUS(status) > 3 || !has_text("err", "dm2-client: "))
         return failed(t, "it ended without a sentence");
+    /* of the first session alone: set-ups of later ones are told with the step to go on from */
     if (!has_text("err", "before the first step") && !has_text("err", "no server is left"))
         return failed(t, "it gave up while servers were left");
     return judge_rest(t);

@@ -22,6 +22,8 @@ struct engine {
     struct rebuild_plan plan;
     size_t migrants; /* elements that changed owner so far */
     size_t rebuilds;
+    bool ahead;          /* every move begins the next forces, as a server does; off for a last step */
+    bool ahead_measures; /* and they will measure */
     struct dm2_error err; /* of the last call that failed */
 };
 
@@ -172,6 +174,8 @@ static inline enum dm2_status engine_move(struct engine *g, struct measures *out
         if (out != NULL)
             measures_merge(out, &part);
     }
+    for (int r = 0; r < g->map.ranks && g->ahead; r++)
+        subdomain_forces_ahead(g->sd[r], g->ahead_measures);
     if (rebuild_plan_step(&g->plan, dmax, survey ? &spread : NULL))
         engine_rebuild(g);
     else
@@ -187,8 +191,12 @@ static inline void engine_step(struct engine *g, struct measures *out)
 
 static inline void engine_run(struct engine *g, int64_t steps)
 {
-    for (int64_t k = 0; k < steps; k++)
+    bool ahead = g->ahead;
+    for (int64_t k = 0; k < steps; k++) {
+        g->ahead = ahead && k + 1 < steps;
         engine_step(g, NULL);
+    }
+    g->ahead = ahead;
 }
 
 static inline int engine_by_id(const void *a, const void *b)

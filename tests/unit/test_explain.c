@@ -50,6 +50,21 @@ TEST(fewer_processors_than_servers_share_the_computing)
     CHECK_NEAR(explain_run(&in).computing, 5e-3, 1e-15);
 }
 
+/* What servers compute while messages are on the way hides them, where the client's work is not theirs too. */
+TEST(work_ahead_hides_communication)
+{
+    struct explain_server server[2];
+    struct explain_input in = example(server);
+    in.apart = true;
+    server[0].ahead = server[1].ahead = 0.01 * 5e-3;
+    CHECK_NEAR(explain_run(&in).communication, 1.5e-4 - 0.5e-4, 1e-15);
+    CHECK_NEAR(explain_run(&in).predicted, 5.1e-3, 1e-15);
+    server[0].ahead = server[1].ahead = 4e-3;
+    CHECK_NEAR(explain_run(&in).predicted, 5e-3, 1e-15);
+    in.apart = false;
+    CHECK_NEAR(explain_run(&in).predicted, 5.15e-3, 1e-15);
+}
+
 TEST(largest_cause_is_named)
 {
     struct explain_server server[2];
@@ -98,4 +113,4 @@ TEST(largest_cause_is_named)
 }
 
 TEST_MAIN(CASE(prediction_is_the_models), CASE(fewer_processors_than_servers_share_the_computing),
-          CASE(largest_cause_is_named))
+          CASE(work_ahead_hides_communication), CASE(largest_cause_is_named))

@@ -100,6 +100,20 @@ TEST(migration)
     CHECK_CONTAINS(text, "largest cause of the difference: migration, +");
 }
 
+/* Two processors for two servers leave none for the client; three do. */
+TEST(work_ahead)
+{
+    struct server_report server[2];
+    struct run_report r = sample(server);
+    struct calibration c = constants();
+    char text[PREDICTION_TEXT];
+    server[0].times.ahead = server[1].times.ahead = 0.06e-3 * STEPS;
+    double share = 0.06 / (1e3 * (server[0].times.forces + server[0].times.integrate + server[0].times.rebuild) / STEPS);
+    CHECK_NEAR(explain(&r, &c, 2, text).predicted, 2.1e-3, 1e-12);
+    CHECK_NEAR(explain(&r, &c, 3, text).predicted, 2.1e-3 - share * 2e-3, 1e-12);
+    CHECK_NEAR(explain(&r, &c, 0, text).predicted, 2.1e-3 - share * 2e-3, 1e-12);
+}
+
 TEST(relay)
 {
     struct server_report server[2];
@@ -171,5 +185,5 @@ TEST(estimated)
     CHECK(!prediction_explain(&r, &basis, &e));
 }
 
-TEST_MAIN(CASE(waiting), CASE(imbalance), CASE(migration), CASE(relay), CASE(computing), CASE(processors_and_caches),
+TEST_MAIN(CASE(waiting), CASE(imbalance), CASE(migration), CASE(work_ahead), CASE(relay), CASE(computing), CASE(processors_and_caches),
           CASE(estimated))

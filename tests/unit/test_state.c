@@ -4,6 +4,7 @@
 #include "scratch.h"
 
 #include "dm2/base/crc32c.h"
+#include "dm2/base/fingerprint.h"
 #include "dm2/sim/state.h"
 
 static const uint8_t digest[STATE_DIGEST_BYTES] = {1, 2, 3, 0xff, 5};
@@ -94,9 +95,9 @@ TEST(bytes_are_canonical)
     fake_make(&f, 3, 2);
     write_fake(&f, "b.dm2");
     char *bytes = scratch_read("b.dm2", &n);
-    CHECK_EQ_INT(n, 68 + 146 * f.n + 25 * f.n_pairs + 4);
-    CHECK_EQ_INT(memcmp(bytes, "DM2STATE\3\0\0\0\1\2\3\377\5", 17), 0);
-    CHECK_EQ_INT(memcmp(bytes + 44, "\310\0\0\0\0\0\0\0\6\0\0\0\0\0\0\0", 16), 0);
+    CHECK_EQ_INT(n, 76 + 146 * f.n + 25 * f.n_pairs + 4);
+    CHECK_EQ_INT(memcmp(bytes, "DM2STATE\4\0\0\0\1\2\3\377\5", 17), 0);
+    CHECK_EQ_INT(memcmp(bytes + 52, "\310\0\0\0\0\0\0\0\6\0\0\0\0\0\0\0", 16), 0);
     write_fake(&f, "c.dm2");
     char *again = scratch_read("c.dm2", NULL);
     CHECK_EQ_INT(memcmp(bytes, again, n), 0);
@@ -144,7 +145,7 @@ TEST(every_flipped_bit)
         bytes[bit / 8] = (char)(bytes[bit / 8] ^ (1 << bit % 8));
         write_bytes("flip.dm2", bytes, n);
         const char *text = failure("flip.dm2");
-        if (bit >= 8 * 68)
+        if (bit >= 8 * 76)
             CHECK_CONTAINS(text, "is damaged: its checksum");
         bytes[bit / 8] = (char)(bytes[bit / 8] ^ (1 << bit % 8));
     }
@@ -156,16 +157,16 @@ TEST(foreign_files)
 {
     write_bytes("x.dm2", "<?xml version=\"1.0\"?>", 21);
     CHECK_CONTAINS(failure("x.dm2"), "is not a dm2 state file");
-    write_bytes("x.dm2", "DM2STATE\3\0\0\0", 12);
+    write_bytes("x.dm2", "DM2STATE\4\0\0\0", 12);
     CHECK_CONTAINS(failure("x.dm2"), "is cut short");
-    char bytes[72] = "DM2STATE", of_version[40];
+    char bytes[80] = "DM2STATE", of_version[40];
     bytes[8] = STATE_VERSION + 1;
     (void)snprintf(of_version, sizeof of_version, "is a state of format version %d,", STATE_VERSION + 1);
     write_bytes("x.dm2", bytes, sizeof bytes);
     CHECK_CONTAINS(failure("x.dm2"), of_version);
     memset(bytes + 8, 0, sizeof bytes - 8);
     bytes[8] = STATE_VERSION;
-    memset(bytes + 52, 0xff, 8); /* 2^64 - 1 elements must not be allocated, nor overflow */
+    memset(bytes + 60, 0xff, 8); /* 2^64 - 1 elements must not be allocated, nor overflow */
     write_bytes("x.dm2", bytes, sizeof bytes);
     CHECK_CONTAINS(failure("x.dm2"), "announces 18446744073709551615 elements");
     struct state s;
@@ -240,6 +241,15 @@ TEST(impossible_content)
     check_content(absent_pair, ", 77) names an element that is not in the state");
 }
 
+/* Changed bytes with the checksum that they should have. */
+static void write_sealed(const char *name, char *bytes, size_t n)
+{
+    uint32_t crc = crc32c(0, bytes, n - 4);
+    for (int k = 0; k < 4; k++)
+        bytes[n - 4 + (size_t)k] = (char)(crc >> (8 * k));
+    write_bytes(name, bytes, n);
+}
+
 /* Elements out of order cannot be written by state_write in a debug build: swap two records in the bytes. */
 TEST(elements_out_of_order)
 {
@@ -248,14 +258,32 @@ TEST(elements_out_of_order)
     fake_make(&f, 2, 2);
     write_fake(&f, "h.dm2");
     char *bytes = scratch_read("h.dm2", &n), record[146];
-    memcpy(record, bytes + 68, 146);
-    memcpy(bytes + 68, bytes + 68 + 146, 146);
-    memcpy(bytes + 68 + 146, record, 146);
-    uint32_t crc = crc32c(0, bytes, n - 4);
-    for (int k = 0; k < 4; k++)
-        bytes[n - 4 + (size_t)k] = (char)(crc >> (8 * k));
-    write_bytes("h.dm2", bytes, n);
+    memcpy(record, bytes + 76, 146);
+    memcpy(bytes + 76, bytes + 76 + 146, 146);
+    memcpy(bytes + 76 + 146, record, 146);
+    write_sealed("h.dm2", bytes, n);
     CHECK_CONTAINS(failure("h.dm2"), "element 0 is out of order or there twice");
+    free(bytes);
+    fake_free(&f);
+}
+
+/* A whole state that was computed where doubles are something else. */
+TEST(another_arithmetic)
+{
+    struct fake f;
+    size_t n;
+    char text[200];
+    fake_make(&f, 2, 2);
+    write_fake(&f, "i.dm2");
+    char *bytes = scratch_read("i.dm2", &n);
+    for (int k = 0; k < 8; k++)
+        CHECK_EQ_INT((unsigned char)bytes[44 + k], FINGERPRINT_IEEE >> (8 * k) & 0xff);
+    bytes[51] ^= 1;
+    write_sealed("i.dm2", bytes, n);
+    (void)snprintf(text, sizeof text,
+                   "another arithmetic, of fingerprint %016llx; this program's is %016llx, and",
+                   (unsigned long long)FINGERPRINT_IEEE ^ 1ULL << 56, (unsigned long long)FINGERPRINT_IEEE);
+    CHECK_CONTAINS(failure("i.dm2"), text);
     free(bytes);
     fake_free(&f);
 }
@@ -272,4 +300,4 @@ TEST(end)
 
 TEST_MAIN(CASE(begin), CASE(round_trip), CASE(bytes_are_canonical), CASE(no_elements), CASE(every_truncation),
           CASE(every_flipped_bit), CASE(foreign_files), CASE(trailing_bytes), CASE(impossible_content),
-          CASE(elements_out_of_order), CASE(end))
+          CASE(elements_out_of_order), CASE(another_arithmetic), CASE(end))

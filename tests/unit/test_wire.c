@@ -392,6 +392,12 @@ TEST(a_state_is_compiled_from_parts)
     CHECK_EQ_INT(add_part(&m, 5, 5, (struct pair_record){1, 3, 1, 0, 0}, &err), DM2_OK);
     CHECK_EQ_INT(state_merge_finish(&m, &err), DM2_PROTOCOL);
     CHECK_CONTAINS(err.text, "pair 1-3 came twice");
+    state_merge_clear(&m);
+    for (size_t k = 0; k < 10 * WIRE_PAIRS_MOST; k++)
+        CHECK_EQ_INT(add_part(&m, (uint32_t)k, k < 10, (struct pair_record){1, 3, 1, 0, 0}, &err), DM2_OK);
+    CHECK_EQ_INT(add_part(&m, 0, 0, (struct pair_record){1, 3, 1, 0, 0}, &err), DM2_PROTOCOL);
+    CHECK_CONTAINS(err.text, "more than 64 pairs per element");
+    CHECK_EQ_INT(m.n_pairs, 10 * WIRE_PAIRS_MOST);
     state_merge_free(&m);
 }
 

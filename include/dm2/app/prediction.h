@@ -24,6 +24,7 @@ struct prediction_basis {
     double work;       /* what the servers compute together, s per step */
     double m, b;       /* m_N, b_N */
     int processors;    /* that the servers have together */
+    bool apart;        /* the client has one of its own */
     char source[320];  /* where the constants come from, for people */
 };
 
@@ -34,8 +35,8 @@ void prediction_calibrated(const struct calibration *c, const char *path, const 
                            struct prediction_basis *out);
 
 /* From the run itself: T_seq is the processor seconds that its servers computed, together; m and b are of a few round
- * trips at its start. */
-void prediction_estimated(const struct network_line *line, const struct run_report *r, int processors,
+ * trips at its start. `cores` as above. */
+void prediction_estimated(const struct network_line *line, const struct run_report *r, int cores,
                           struct prediction_basis *out);
 
 /* False where the run timed no step. */

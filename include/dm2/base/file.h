@@ -5,6 +5,7 @@
 #ifndef DM2_BASE_FILE_H
 #define DM2_BASE_FILE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -50,6 +51,10 @@ enum dm2_status file_sync(struct file_out *f, struct dm2_error *err);
 
 /* Closes and leaves the temporary file for file_reopen. Does nothing to an empty or zeroed *f. */
 void file_suspend(struct file_out *f);
+
+/* Makes a directory and brings its name to disk; *made: it was not there. What is there already is taken for
+ * one. DM2_IO. */
+enum dm2_status file_make_directory(const char *path, bool *made, struct dm2_error *err);
 
 /* Renames a file and brings that to disk. */
 enum dm2_status file_rename(const char *from, const char *to, struct dm2_error *err);

@@ -19,7 +19,7 @@
 #include "dm2/sim/measures.h"
 #include "dm2/sim/rebuild.h"
 
-enum { PROTOCOL_VERSION = 7 };
+enum { PROTOCOL_VERSION = 8 };
 
 enum { DEFAULT_PORT = 4702 }; /* of a server; the one place where it is written */
 
@@ -130,6 +130,7 @@ struct state_message {
 /* What a server counted in a session; seconds. */
 struct server_times {
     double forces, integrate, rebuild, pack, wait, unpack, output;
+    double ahead; /* of forces: while the others' states were on the way */
     double cpu; /* of the processor: computing, packing and unpacking in all steps */
     uint64_t steps, rebuilds, migrants, mirrored; /* migrants sent away; mirrored: sum over steps */
     uint64_t messages_in, messages_out, bytes_in, bytes_out;

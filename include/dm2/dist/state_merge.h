@@ -28,7 +28,8 @@ void state_merge_free(struct state_merge *m);
 void state_merge_clear(struct state_merge *m);
 
 /* Adds a part: what follows a STATE message's head. DM2_PROTOCOL: a record that cannot be, or an element that
- * came before (its id is named); DM2_MEMORY. */
+ * came before (its id is named), or more than WIRE_PAIRS_MOST pairs per element of the run, which is found
+ * before memory is taken for them; DM2_MEMORY. */
 enum dm2_status state_merge_add(struct state_merge *m, const struct state_message *head,
                                 struct bytes_reader *r, struct dm2_error *err);
 

@@ -21,6 +21,9 @@ enum {
     WIRE_BIN = 8 + 8 * 16                 /* of a bin of a profile */
 };
 
+/* Per element, in a state that somebody sends: far more than fit around one. */
+enum { WIRE_PAIRS_MOST = 64 };
+
 /* What indices of a record must stay below. */
 struct wire_limits {
     size_t elements, bodies, kinds;

@@ -1,7 +1,8 @@
 /* The cells that one subdomain sees: its own and those it mirrors, with who is in them and who is around them.
  *
- * Local numbering: own cells 0 .. n_own-1 in the order of their global numbers (row by row), then the mirrored ones,
- * likewise. Owned elements are kept in cell order, so an own cell is a range of slots; a mirrored cell has a list. */
+ * Local numbering, each in the order of the global numbers (row by row): own cells that no mirrored cell surrounds, 0 ..
+ * n_inside-1, own cells at the edge up to n_own-1, then the mirrored ones. Owned elements are kept in cell order, so an own
+ * cell is a range of slots, and so is the inside; a mirrored cell has a list. */
 #ifndef DM2_SIM_CELLS_H
 #define DM2_SIM_CELLS_H
 
@@ -13,7 +14,7 @@
 #include "dm2/sim/subdomain.h"
 
 struct cells {
-    int n_own, n_mirrored;
+    int n_inside, n_own, n_mirrored;
     int32_t *local_of;    /* [global cell] local number, -1: not seen from here */
     int32_t *global_of;   /* [n_own + n_mirrored] */
     uint32_t *start;      /* [n_own + 1]: own cell c holds slots start[c] .. start[c+1]-1 */

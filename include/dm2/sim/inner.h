@@ -26,18 +26,24 @@ struct far_quad {
 struct inner_list {
     struct far_quad *quad; /* [n + 1]; the last one is a copy, for loops that load one ahead */
     size_t n, cap;
-    double *drawn;         /* [n_slots][2] positions when it was drawn, cm */
+    double *drawn;         /* [slots that its pairs are of][2] positions when it was drawn, cm */
     size_t drawn_cap;
     double margin;         /* reach beyond the cutoff, cm; infinite: that of the far list */
     int served;            /* evaluations since it was drawn */
     bool valid;            /* false until it is drawn after a rebuild */
 };
 
-/* Draws the list if it is not valid for the present positions of p. `far` is the far list of p, with rows padded to fours;
- * cutoff: of the potential; reach_more: the far list's margin dR, cm; period and half as lists_wrap has them. 0, or -1
- * without memory. */
-int inner_list_prepare(struct inner_list *inner, const struct half_list *far, const struct particles *p, double cutoff,
-                       double reach_more, const double period[2], const double half[2]);
+/* Rows [first, last) of the far list; their pairs are of slots below `beyond`. */
+struct inner_part {
+    size_t first, last, beyond;
+};
+
+/* Draws the list if it is not valid for the present positions of p. `far` is the far list of p, with rows padded to fours,
+ * of which the inner list is drawn from `part`; cutoff: of the potential; reach_more: the far list's margin dR, cm; period
+ * and half as lists_wrap has them. 0, or -1 without memory. */
+int inner_list_prepare(struct inner_list *inner, const struct half_list *far, const struct inner_part *part,
+                       const struct particles *p, double cutoff, double reach_more, const double period[2],
+                       const double half[2]);
 void inner_list_free(struct inner_list *inner);
 size_t inner_list_bytes(const struct inner_list *inner);
 

@@ -43,9 +43,9 @@ struct link_list {
     bool valid; /* false after a rebuild */
 };
 
-/* Sorts the pairs of lists->near into lists->links, where they are not sorted yet or elements have changed their kind
- * since. 0, or -1 without memory. */
-int link_list_prepare(struct lists *lists, const struct model *m, const struct particles *p);
+/* Sorts the pairs of one part (enum list_part) of lists->near into lists->links[part], where they are not sorted yet or
+ * elements have changed their kind since. 0, or -1 without memory. */
+int link_list_prepare(struct lists *lists, int part, const struct model *m, const struct particles *p);
 void link_list_free(struct link_list *links);
 size_t link_list_bytes(const struct link_list *links);
 

@@ -31,10 +31,19 @@ struct carried_pair {
     double stretch, spring;
 };
 
+/* The rows of both lists are in two parts. No pair of the first has a mirrored element, so its forces can be evaluated before
+ * the mirrored elements' new positions are known. */
+enum list_part {
+    PART_INSIDE, /* rows [0, n_inside): elements of own cells that no mirrored cell surrounds */
+    PART_EDGE,   /* rows [n_inside, n_own) */
+    PART_COUNT
+};
+
 struct lists {
     struct half_list far, near;
-    struct inner_list inner; /* of the far list */
-    struct link_list links;  /* of the near list */
+    size_t n_inside;
+    struct inner_list inner[PART_COUNT]; /* of the far list */
+    struct link_list links[PART_COUNT];  /* of the near list */
     /* memory of the near pairs, per entry */
     uint8_t *linked;
     double *stretch, *spring;
@@ -46,6 +55,8 @@ struct lists {
     uint32_t *carried_b; /* behind them: its b, and CARRIED_LINKED */
     void *carried_own;  /* the block that both lie in, where the room that was lent is too small */
     size_t carried_own_cap, rows_cap;
+    double *kept; /* stretch and spring of the inside's near pairs, behind them linked: lists_keep_memory */
+    size_t kept_cap;
 };
 #define CARRIED_LINKED (UINT32_C(1) << 31) /* slots are below 2^31 */
 
@@ -72,8 +83,20 @@ static inline void lists_carry_place(struct lists *lists, uint32_t a, struct car
  * 2^32 - 1 entries. */
 enum dm2_status lists_build(struct lists *lists, const struct model *m, const struct particles *p,
                             const struct cells *cells, bool initial, struct dm2_error *err);
+
+/* A copy of the memory of the inside's near pairs, and back: what an evaluation ahead changes. 0, or -1 without memory. */
+int lists_keep_memory(struct lists *lists);
+void lists_restore_memory(struct lists *lists);
 void lists_free(struct lists *lists);
 size_t lists_bytes(const struct lists *lists);
+
+/* The rows of a part: [*first, *last). */
+static inline void lists_rows(const struct lists *l, const struct particles *p, enum list_part part, uint32_t *first,
+                              uint32_t *last)
+{
+    *first = part == PART_INSIDE ? 0 : (uint32_t)l->n_inside;
+    *last = (uint32_t)(part == PART_INSIDE ? l->n_inside : p->n_own);
+}
 
 /* Does this entry remember anything? */
 static inline bool lists_remembers(const struct lists *l, size_t entry)

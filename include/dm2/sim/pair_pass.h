@@ -1,4 +1,4 @@
-/* What the two pair loops (far.c, near.c) share: one evaluation in progress. Private to the engine. */
+/* What the pair loops (far.c, force.c, near_wide.c) share: one evaluation in progress. Private to the engine. */
 #ifndef DM2_SIM_PAIR_PASS_H
 #define DM2_SIM_PAIR_PASS_H
 
@@ -25,9 +25,13 @@ struct pass {
     double dt_kick, dt_path;
     struct pair_totals *totals;
     struct exact_sum potential, elastic;
-    uint32_t bad_i, bad_j; /* a pair out of range, if any */
+    enum list_part part;      /* whose rows are taken */
+    uint32_t bad_i, bad_j;    /* a pair out of range, if any */
     bool bad, no_memory;
-    bool plain; /* take no fast path: the check of the debug flavour */
+    bool ahead;               /* the inside has been evaluated */
+    bool far_plain;           /* measured far pairs have left the range of lanes: start again without */
+    bool plain;               /* take no fast path: the check of the debug flavour */
+    struct force_check *check; /* of the debug flavour */
 };
 
 static inline void note_bad(struct pass *pass, uint32_t i, uint32_t j)
@@ -58,13 +62,13 @@ static inline void add_virial(const struct pass *pass, uint32_t i, uint32_t j, d
     vj[2] += xy;
 }
 
-/* The potentials of scope `all` over the far pairs, into far_sum. */
+/* The potentials of scope `all` over the far pairs of pass->part, into far_sum. */
 void far_evaluate(struct pass *pass, struct lists *lists);
 
 /* Evaluates entry k of the near row of i by the plain path. */
 typedef void take_single(struct pass *pass, struct lists *lists, uint32_t i, uint32_t k);
 
-/* The quads of lists->links, which are sorted; `single` takes the links that need more than most. */
+/* The quads of lists->links[pass->part], which are sorted; `single` takes the links that need more than most. */
 void near_wide(struct pass *pass, struct lists *lists, take_single *single);
 
 #endif

@@ -1,11 +1,12 @@
 /* The canonical state file (final.dm2), a checkpoint: all that the next step reads, the same bytes whoever
  * wrote it.
  *
- * Format, version 3, numbers little-endian, doubles as their IEEE 754 bits:
+ * Format, version 4, numbers little-endian, doubles as their IEEE 754 bits:
  *
  *   magic            8 bytes  "DM2STATE"
  *   version          u32
  *   digest          32 bytes  of the deck that the state belongs to, as the caller gave it
+ *   fingerprint      u64      of the arithmetic that computed it (base/fingerprint.h)
  *   step             u64
  *   n_elements       u64
  *   n_pairs          u64
@@ -24,7 +25,7 @@
 #include "dm2/base/status.h"
 #include "dm2/sim/element.h"
 
-enum { STATE_DIGEST_BYTES = 32, STATE_VERSION = 3 };
+enum { STATE_DIGEST_BYTES = 32, STATE_VERSION = 4 };
 
 struct state {
     uint8_t digest[STATE_DIGEST_BYTES];
@@ -56,7 +57,9 @@ enum dm2_status state_write(const char *path, const struct state_view *s, struct
  *   DM2_MEMORY    no memory for what it announces (which its length already confirmed)
  *   DM2_PROTOCOL  not a state file, of another version, cut short, with bytes behind its end, with a checksum
  * that does not match, or with content that cannot be: records out of order, a pair of absent elements, a
- *                 number that is not finite, a mass or radius that is not positive, an unknown flag */
+ *                 number that is not finite, a mass or radius that is not positive, an unknown flag;
+ *                 or computed with another arithmetic than this program's, which would not go on to the
+ *                 same bytes */
 enum dm2_status state_read(const char *path, struct state *out, struct dm2_error *err);
 void state_free(struct state *s);
 

@@ -65,6 +65,11 @@ size_t subdomain_bytes(const struct subdomain *sd);   /* memory held */
  * subdomain_collect(measured) report. DM2_NUMERIC on an overflow of the fixed-point sums: id and step. */
 enum dm2_status subdomain_forces(struct subdomain *sd, bool measure, struct dm2_error *err);
 
+/* After subdomain_move, and the state sent to the others: begins the next subdomain_forces, which is to have the same
+ * `measure`, with the pairs that no mirrored element takes part in, while the others' new states are on the way. Nothing but
+ * the exchange may come between the two; an update leaves what was begun as it is, a rebuild drops it. */
+void subdomain_forces_ahead(struct subdomain *sd, bool measure);
+
 /* Measures of the owned elements (a pair counts where its lower id is owned); valid after
  * subdomain_forces(measure) and, for the kinetic part, filled by the following subdomain_move or, at the end of
  * a run, subdomain_measure_last. *out is complete after that call. */
