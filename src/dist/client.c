@@ -168,8 +168,10 @@ static enum dm2_status peer_error(struct client *c, int rank, struct bytes_reade
                            err);
     (void)snprintf(text, sizeof text, "ended the session: %.560s",
                    r.failed ? "its reason does not decode" : m.text);
-    /* a server that was asked to end could not be used; one that found the deck wrong found the deck wrong */
-    enum dm2_status status = m.status == DM2_INTERRUPTED || m.status == DM2_TIMEOUT ? DM2_NET : m.status;
+    /* a server that was asked to end, or has no memory left, could not be used; one that found the deck wrong found the deck
+     * wrong */
+    bool unusable = m.status == DM2_INTERRUPTED || m.status == DM2_TIMEOUT || m.status == DM2_MEMORY;
+    enum dm2_status status = unusable ? DM2_NET : m.status;
     return peer_failed(c, rank, status, text, err);
 }
 
@@ -247,12 +249,12 @@ static enum dm2_status answer_challenge(struct client *c, int rank, struct bytes
 
 static enum dm2_status take_profile(struct client *c, int rank, struct bytes_reader *r, struct dm2_error *err)
 {
-    const struct config *config = c->job->config;
+    const struct config *config = c->job != NULL ? c->job->config : NULL; /* NULL: it only measures the network */
     struct profile_message m;
     message_get_profile(r, &m);
     if (r->failed)
         return not_decoded(c, rank, "PROFILE", err);
-    if (m.which >= config->n_profiles || !c->profiles[m.which].due || c->profiles[m.which].came[rank] ||
+    if (config == NULL || m.which >= config->n_profiles || !c->profiles[m.which].due || c->profiles[m.which].came[rank] ||
         m.step != c->profile_step || m.n_bins != (size_t)config->profiles[m.which].bins)
         return peer_failed(c, rank, DM2_PROTOCOL, "it sent a profile that is not due", err);
     struct profile_part *p = &c->profiles[m.which];

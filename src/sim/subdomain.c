@@ -829,6 +829,24 @@ static bool take_kind(const struct model *m, struct particles *p, size_t i, doub
     return true;
 }
 
+/* No element moves further than a cell edge in a step (leapfrog_move); twice that leaves room for rounding. */
+static bool is_near(const struct grid *g, const double now[2], const double before[2])
+{
+    double edge = g->lx < g->ly ? g->lx : g->ly, d[2];
+    for (size_t a = 0; a < 2; a++)
+        d[a] = lists_wrap(now[a] - before[a], g->periodic[a] ? g->size[a] : 0.0, g->periodic[a] ? 0.5 * g->size[a] : INFINITY);
+    return d[0] * d[0] + d[1] * d[1] <= 4.0 * edge * edge;
+}
+
+/* What cannot be said of the mirror in slot i; it was where p->r still has it. */
+static enum dm2_status wrong_update(const struct subdomain *sd, size_t i, int src, const char *what, enum dm2_status status,
+                                    struct dm2_error *err)
+{
+    const double *r = &sd->p.r[2 * i];
+    return dm2_fail(err, status, "step %lld: the update of element %u from server %d, last at (%g, %g) cm, %s",
+                    (long long)sd->step, sd->p.id[i], src, r[0], r[1], what);
+}
+
 enum dm2_status subdomain_take_update(struct subdomain *sd, int src, const double *in, struct dm2_error *err)
 {
     struct particles *p = &sd->p;
@@ -839,8 +857,9 @@ enum dm2_status subdomain_take_update(struct subdomain *sd, int src, const doubl
         for (size_t k = 0; k < width; k++)
             check += in[k] * 0.0; /* NaN where a value is not finite */
         if (check != 0.0 || check != check)
-            return dm2_fail(err, DM2_NUMERIC, "step %lld: the update of element %u from server %d is not finite",
-                            (long long)sd->step, p->id[i], src);
+            return wrong_update(sd, i, src, "is not finite", DM2_NUMERIC, err);
+        if (!is_near(&m->grid, in, &p->r[2 * i]))
+            return wrong_update(sd, i, src, "puts it further than a cell edge away", DM2_NUMERIC, err);
         size_t k = 2;
         p->r[2 * i] = in[0];
         p->r[2 * i + 1] = in[1];
@@ -855,8 +874,7 @@ enum dm2_status subdomain_take_update(struct subdomain *sd, int src, const doubl
         if (m->has_pressure)
             p->p[i] = in[k++];
         if (m->has_kinds && !take_kind(m, p, i, in[k++]))
-            return dm2_fail(err, DM2_PROTOCOL, "step %lld: the update of element %u from server %d names a kind that the deck "
-                            "does not have", (long long)sd->step, p->id[i], src);
+            return wrong_update(sd, i, src, "names a kind that the deck does not have", DM2_PROTOCOL, err);
         for (size_t a = 0; a < 2 && m->reaction.any; a++)
             p->share[2 * i + a] = in[k++];
         if (m->has_heat || m->has_kinds)
