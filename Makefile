@@ -63,7 +63,7 @@ FAILING  := $(patsubst src/app/%.c,$(BUILD)/failing/%,$(filter src/app/dm2-%.c,$
 
 all: $(PROGRAMS)
 
-tests: $(TESTS) $(TOOLS) $(FUZZED) $(FAILING) $(BUILD)/failing/losing-server
+tests: $(TESTS) $(TOOLS) $(FUZZED) $(FAILING) $(patsubst %,$(BUILD)/failing/%-server,losing slow spoiling)
 
 test: all tests
 	$(Q)CC='$(CC)' DM2_BIN=$(abspath $(BIN)) DM2_BUILD=$(abspath $(BUILD)) FLAVOUR=$(FLAVOUR) \
@@ -106,13 +106,20 @@ $(BUILD)/tools/%: $(BUILD)/tests/tools/%.o $(BUILD)/libdm2.a
 	$(Q)mkdir -p $(@D)
 	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) -o $@ $^ $(LDLIBS)
 
+# Functions that a target has in place of the library's.
+$(BUILD)/fuzz/replay_fuzz_client $(BUILD)/fuzz_client: FUZZ_WRAP := -Wl,--wrap=socket_connect -Wl,--wrap=auth_nonce
+
 $(BUILD)/fuzz/replay_%: $(BUILD)/tests/fuzz/%.o $(BUILD)/tests/fuzz/replay.o $(BUILD)/libdm2.a
 	$(Q)mkdir -p $(@D)
-	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) $(FUZZ_WRAP) -o $@ $^ $(LDLIBS)
 
-$(BUILD)/failing/losing-server: $(BUILD)/src/app/dm2-server.o $(BUILD)/tests/failing/losing.o $(BUILD)/libdm2.a
+# Servers with a fault or a slow engine of their own (tests/failing/losing.c, slow.c, spoiling.c).
+$(BUILD)/failing/losing-server: WRAP = subdomain_owned
+$(BUILD)/failing/slow-server: WRAP = pulse_beat
+$(BUILD)/failing/spoiling-server: WRAP = subdomain_pack_update
+$(BUILD)/failing/%-server: $(BUILD)/src/app/dm2-server.o $(BUILD)/tests/failing/%.o $(BUILD)/libdm2.a
 	$(Q)mkdir -p $(@D)
-	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) -Wl,--wrap=subdomain_owned -o $@ $^ $(LDLIBS)
+	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) -Wl,--wrap=$(WRAP) -o $@ $^ $(LDLIBS)
 
 # Programs whose system calls fail when they are told to (tests/failing/failing.c).
 WRAPPED := malloc calloc realloc posix_memalign open write fsync rename read writev poll socket accept connect pipe fork
@@ -127,7 +134,7 @@ fuzz:
 		$(FUZZ_SRC:tests/fuzz/%.c=build/libfuzzer/%)
 
 $(BUILD)/fuzz_%: $(BUILD)/tests/fuzz/fuzz_%.o $(BUILD)/libdm2.a
-	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) $(FUZZ_WRAP) -o $@ $^ $(LDLIBS)
 
 $(BUILD)/tests/unit/%.o: DM2_CFLAGS += -Itests/unit
 

@@ -79,6 +79,16 @@ static enum dm2_status start(char *const argv[], struct child *out, struct dm2_e
     return out->pid < 0 ? dm2_fail(err, DM2_IO, "cannot start %s: %s", argv[0], strerror(errno)) : DM2_OK;
 }
 
+/* A status with the exit code that the child ended with, so that what started it ends with the same. */
+static enum dm2_status why_of(int code)
+{
+    static const enum dm2_status known[] = {DM2_DECK, DM2_NET};
+    for (size_t k = 0; k < sizeof known / sizeof known[0]; k++)
+        if (WIFEXITED(code) && WEXITSTATUS(code) == dm2_exit_code(known[k]))
+            return known[k];
+    return DM2_IO;
+}
+
 static enum dm2_status finish(const struct child *c, const char *path, int cancel, struct dm2_error *err)
 {
     int code = -1;
@@ -95,7 +105,7 @@ static enum dm2_status finish(const struct child *c, const char *path, int cance
         return DM2_OK;
     if (WIFEXITED(code) && WEXITSTATUS(code) == 127)
         return dm2_fail(err, DM2_IO, "the program '%s' did not start: is it installed beside dm2-model or on PATH?", path);
-    return dm2_fail(err, DM2_IO, "%s failed, see above", path);
+    return dm2_fail(err, why_of(code), "%s failed, see above", path);
 }
 
 enum dm2_status child_run_all(char *const *const argv[], int copies, int cancel, struct dm2_error *err)

@@ -130,6 +130,12 @@ static int add_slot(struct slot_array *a, uint32_t slot)
     return status;
 }
 
+/* Between any two pieces of work that take long. */
+static void beat(const struct subdomain *sd)
+{
+    pulse_beat(&sd->model->pulse);
+}
+
 static int cell_of_element(const struct subdomain *sd, const double r[2])
 {
     return grid_cell(sd->map.grid, r[0], r[1]);
@@ -432,11 +438,13 @@ static enum dm2_status arrange(struct subdomain *sd, const struct parcel *parcel
     assign_slots(sd, n_old, in.newcomers, in.n_newcomers, from, newcomer_slot, moved);
     for (size_t k = n_own; k < n; k++)
         from[k] = PARTICLES_NONE;
+    beat(sd);
     if (particles_permute(&sd->p, from, n) != 0)
         goto done;
     sd->p.n_own = n_own;
     sd->p.n = n;
     sd->n_leaving = 0;
+    beat(sd);
     for (size_t k = 0; k < in.n_newcomers; k++) {
         particles_put(&sd->p, sd->model, newcomer_slot[k], in.newcomers[k]);
         if (!idmap_add(&sd->ids, in.newcomers[k]->id, (int32_t)newcomer_slot[k])) {
@@ -449,6 +457,7 @@ static enum dm2_status arrange(struct subdomain *sd, const struct parcel *parcel
     if (status != DM2_OK)
         goto done;
     status = DM2_MEMORY;
+    beat(sd);
     if (carry_all(sd, parcels, n_parcels, n_old, moved, old_id, initial) != 0 || build_send_lists(sd) != 0)
         goto done;
     sd->p.r[2 * n] = sd->p.r[2 * n + 1] = sd->model->far_place;
@@ -468,6 +477,7 @@ static enum dm2_status build_lists(struct subdomain *sd, bool initial, struct dm
     double *anchor = block_hold(&sd->anchors, sd->p.n_own, 2 * sizeof *anchor);
     if (anchor == NULL)
         return no_memory(sd, err);
+    beat(sd);
     if (sd->p.n_own > 0)
         memcpy(anchor, sd->p.r, sd->p.n_own * 2 * sizeof *anchor);
     return lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, initial, err);
@@ -666,12 +676,14 @@ enum dm2_status subdomain_forces(struct subdomain *sd, bool measure, struct dm2_
     double started = clock_now();
     const struct model *m = sd->model;
     bool pressure = needs_pressure(m), totals = measure || pressure;
+    beat(sd);
     enum dm2_status status = m->has_kinds ? phase_account(m, &sd->p, &sd->lists, sd->step, err) : DM2_OK;
     if (status == DM2_OK && sd->pass.ahead)
         status = force_rest(&sd->pass, &sd->lists, sd->step, err);
     else if (status == DM2_OK)
         status = force_evaluate(sd->model, &sd->p, &sd->lists, leapfrog_kick_time(sd->model, sd->step),
                        leapfrog_path_time(sd->model, sd->step), totals ? &sd->totals : NULL, sd->step, err);
+    beat(sd);
     if (status == DM2_OK && m->reaction.any)
         status = reaction_evaluate(m, &sd->p, &sd->lists, leapfrog_kick_time(m, sd->step), sd->step, &sd->reacted, err);
     if (status == DM2_OK && pressure)
@@ -695,6 +707,7 @@ static enum dm2_status integrate(struct subdomain *sd, bool drift, double *dmax,
         out->links = sd->totals.links;
         out->contacts = sd->totals.contacts;
     }
+    beat(sd);
     enum dm2_status status = leapfrog_move(sd->model, &sd->p, sd->step, drift, dmax, out, err);
     sd->times.integrate += clock_now() - started;
     return status;
@@ -816,6 +829,24 @@ static bool take_kind(const struct model *m, struct particles *p, size_t i, doub
     return true;
 }
 
+/* No element moves further than a cell edge in a step (leapfrog_move); twice that leaves room for rounding. */
+static bool is_near(const struct grid *g, const double now[2], const double before[2])
+{
+    double edge = g->lx < g->ly ? g->lx : g->ly, d[2];
+    for (size_t a = 0; a < 2; a++)
+        d[a] = lists_wrap(now[a] - before[a], g->periodic[a] ? g->size[a] : 0.0, g->periodic[a] ? 0.5 * g->size[a] : INFINITY);
+    return d[0] * d[0] + d[1] * d[1] <= 4.0 * edge * edge;
+}
+
+/* What cannot be said of the mirror in slot i; it was where p->r still has it. */
+static enum dm2_status wrong_update(const struct subdomain *sd, size_t i, int src, const char *what, enum dm2_status status,
+                                    struct dm2_error *err)
+{
+    const double *r = &sd->p.r[2 * i];
+    return dm2_fail(err, status, "step %lld: the update of element %u from server %d, last at (%g, %g) cm, %s",
+                    (long long)sd->step, sd->p.id[i], src, r[0], r[1], what);
+}
+
 enum dm2_status subdomain_take_update(struct subdomain *sd, int src, const double *in, struct dm2_error *err)
 {
     struct particles *p = &sd->p;
@@ -826,8 +857,9 @@ enum dm2_status subdomain_take_update(struct subdomain *sd, int src, const doubl
         for (size_t k = 0; k < width; k++)
             check += in[k] * 0.0; /* NaN where a value is not finite */
         if (check != 0.0 || check != check)
-            return dm2_fail(err, DM2_NUMERIC, "step %lld: the update of element %u from server %d is not finite",
-                            (long long)sd->step, p->id[i], src);
+            return wrong_update(sd, i, src, "is not finite", DM2_NUMERIC, err);
+        if (!is_near(&m->grid, in, &p->r[2 * i]))
+            return wrong_update(sd, i, src, "puts it further than a cell edge away", DM2_NUMERIC, err);
         size_t k = 2;
         p->r[2 * i] = in[0];
         p->r[2 * i + 1] = in[1];
@@ -842,8 +874,7 @@ enum dm2_status subdomain_take_update(struct subdomain *sd, int src, const doubl
         if (m->has_pressure)
             p->p[i] = in[k++];
         if (m->has_kinds && !take_kind(m, p, i, in[k++]))
-            return dm2_fail(err, DM2_PROTOCOL, "step %lld: the update of element %u from server %d names a kind that the deck "
-                            "does not have", (long long)sd->step, p->id[i], src);
+            return wrong_update(sd, i, src, "names a kind that the deck does not have", DM2_PROTOCOL, err);
         for (size_t a = 0; a < 2 && m->reaction.any; a++)
             p->share[2 * i + a] = in[k++];
         if (m->has_heat || m->has_kinds)

@@ -3,7 +3,7 @@
 # labels: e2e
 . "$DM2_SRC/tests/lib.sh"
 
-for target in deck message session state calibration reader; do
+for target in deck message session client state calibration reader; do
     expect_status 0 "$DM2_BUILD/fuzz/replay_fuzz_$target" 200 "$DM2_SRC/tests/fuzz/corpus/$target"/*
     cat out
 done

@@ -49,7 +49,7 @@ expect_text "$locked" 'the client sent HELLO where KNOCK is due'
 expect_status 3 "$model" calibrate --hosts hosts --key other -n 1 --n 400 --runs 1 --steps 3 --turns 4 --deck timing.dm2 -f none.csv
 expect_text err 'it has another key'
 [ ! -e none.csv ] || fail "a calibration file of a refusal"
-expect_status 1 "$model" compare --hosts hosts -n 1 --n 400 --runs 1 --steps 3 --deck timing.dm2 -o none --calibration keyed.csv
+expect_status 3 "$model" compare --hosts hosts -n 1 --n 400 --runs 1 --steps 3 --deck timing.dm2 -o none --calibration keyed.csv
 expect_text err 'refuses the connection'
 [ ! -s out ] || fail "compare printed something before it failed"
 expect_status 2 "$model" netbench --key key -n 1
@@ -94,6 +94,6 @@ expect_status 2 "$model" netbench -n 0
 expect_text err "--servers '0'"
 expect_status 2 "$model" netbench -n 2 --server 127.0.0.1:1
 expect_text err 'only 1 are named'
-expect_status 1 "$model" calibrate --n 400 --runs 1 --deck missing.dm2 -f none.csv
+expect_status 2 "$model" calibrate --n 400 --runs 1 --deck missing.dm2 -f none.csv
 expect_text err 'missing.dm2'
 [ ! -e none.csv ] || fail "a calibration file of nothing"

@@ -36,6 +36,23 @@ grep -E -q 'step 5: the servers hold [0-9]+ elements together instead of [0-9]+$
 expect_text err 'the last checkpoint is of step 4; to continue: '
 [ ! -f lost/final.dm2 ] || fail 'a result'
 
+# A server whose updates of what others mirror have a number that cannot be, in the position or the velocity: it is not taken for
+# a server that is lost.
+mkdir spoiling
+ln -s "$DM2_BUILD/failing/spoiling-server" spoiling/dm2-server
+ln -s "$DM2_BIN/dm2-client" spoiling/dm2-client
+for spoil in '0 nan' '1 inf' '2 -inf' '3 nan' '0 1e300' '1 -9'; do
+    case $spoil in
+    *n*) what='is not finite' ;;
+    *) what='puts it further than a cell edge away' ;;
+    esac
+    rm -rf spoiled
+    expect_status 1 env DM2_SPOIL="$spoil" spoiling/dm2-client "$deck" -q -n 2 -o spoiled --checkpoint-every 2
+    grep -q "step [0-9]*: the update of element [0-9]* from server [01], last $place, $what" err || { cat err; fail "$spoil: nobody sees it"; }
+    grep -q 'the last checkpoint is of step [46]; to continue: ' err || { cat err; fail "$spoil: no advice"; }
+    [ ! -f spoiled/final.dm2 ] && [ ! -f spoiled/history.csv ] || fail "$spoil: results"
+done
+
 # Where two runs part: in one of them the sides are open, which matters once an element reaches them.
 sed 's/boundary = periodic periodic/boundary = free free/' "$deck" >open.dm2
 expect_status 0 "$DM2_BIN/dm2-client" open.dm2 -n 2 -q --steps 120 --hash-every 10 -o open
