@@ -63,7 +63,7 @@ FAILING  := $(patsubst src/app/%.c,$(BUILD)/failing/%,$(filter src/app/dm2-%.c,$
 
 all: $(PROGRAMS)
 
-tests: $(TESTS) $(TOOLS) $(FUZZED) $(FAILING) $(BUILD)/failing/losing-server $(BUILD)/failing/spoiling-server
+tests: $(TESTS) $(TOOLS) $(FUZZED) $(FAILING) $(patsubst %,$(BUILD)/failing/%-server,losing slow spoiling)
 
 test: all tests
 	$(Q)CC='$(CC)' DM2_BIN=$(abspath $(BIN)) DM2_BUILD=$(abspath $(BUILD)) FLAVOUR=$(FLAVOUR) \
@@ -114,13 +114,13 @@ $(BUILD)/fuzz/replay_%: $(BUILD)/tests/fuzz/%.o $(BUILD)/tests/fuzz/replay.o $(B
 	$(Q)mkdir -p $(@D)
 	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) $(FUZZ_WRAP) -o $@ $^ $(LDLIBS)
 
-$(BUILD)/failing/losing-server: $(BUILD)/src/app/dm2-server.o $(BUILD)/tests/failing/losing.o $(BUILD)/libdm2.a
+# Servers with a fault or a slow engine of their own (tests/failing/losing.c, slow.c, spoiling.c).
+$(BUILD)/failing/losing-server: WRAP = subdomain_owned
+$(BUILD)/failing/slow-server: WRAP = pulse_beat
+$(BUILD)/failing/spoiling-server: WRAP = subdomain_pack_update
+$(BUILD)/failing/%-server: $(BUILD)/src/app/dm2-server.o $(BUILD)/tests/failing/%.o $(BUILD)/libdm2.a
 	$(Q)mkdir -p $(@D)
-	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) -Wl,--wrap=subdomain_owned -o $@ $^ $(LDLIBS)
-
-$(BUILD)/failing/spoiling-server: $(BUILD)/src/app/dm2-server.o $(BUILD)/tests/failing/spoiling.o $(BUILD)/libdm2.a
-	$(Q)mkdir -p $(@D)
-	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) -Wl,--wrap=subdomain_pack_update -o $@ $^ $(LDLIBS)
+	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) -Wl,--wrap=$(WRAP) -o $@ $^ $(LDLIBS)
 
 # Programs whose system calls fail when they are told to (tests/failing/failing.c).
 WRAPPED := malloc calloc realloc posix_memalign open write fsync rename read writev poll socket accept connect pipe fork

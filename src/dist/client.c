@@ -267,6 +267,12 @@ static enum dm2_status take_profile(struct client *c, int rank, struct bytes_rea
     return DM2_OK;
 }
 
+/* Work comes before an answer of this type, and the server says meanwhile that it is alive. */
+static bool takes_long(enum message_type type)
+{
+    return type == MESSAGE_ANSWER || type == MESSAGE_READY || type == MESSAGE_STEP || type == MESSAGE_DONE;
+}
+
 /* Takes all frames that have arrived from one server. */
 static enum dm2_status take_frames(struct client *c, int rank, enum message_type type, uint32_t limit,
                                    take_answer take, struct dm2_error *err)
@@ -284,6 +290,8 @@ static enum dm2_status take_frames(struct client *c, int rank, enum message_type
         struct bytes_reader r = bytes_reader_of(f.payload, f.length);
         if (f.type == MESSAGE_ERROR)
             return peer_error(c, rank, r, err);
+        if (f.type == MESSAGE_ALIVE && f.length == 0 && takes_long(type))
+            continue; /* the channel knows when it was heard */
         if (f.type == MESSAGE_STATE) {
             status = take_state(c, rank, &r, err);
         } else if (f.type == MESSAGE_CHALLENGE && type == MESSAGE_GRANT && !p->challenged) {
@@ -305,9 +313,9 @@ static enum dm2_status take_frames(struct client *c, int rank, enum message_type
     return DM2_OK;
 }
 
-/* Waits until an awaited server has something, or the first of them has been silent too long since `since`.
- */
-static enum dm2_status wait_for_any(struct client *c, double since, double note_at, int *n,
+/* Waits until an awaited server has something, or the first of them has been silent too long since `since`, but no
+ * longer than until wake_at. */
+static enum dm2_status wait_for_any(struct client *c, double since, double wake_at, int *n,
                                     struct dm2_error *err)
 {
     double first = INFINITY, now = clock_now();
@@ -327,7 +335,7 @@ static enum dm2_status wait_for_any(struct client *c, double since, double note_
     }
     if (silent < 0)
         return DM2_OK;
-    double until = note_at > now && note_at < first ? note_at : first;
+    double until = fmin(wake_at, first);
     c->polls[*n] = (struct pollfd){.fd = c->course->stopping ? -1 : c->options->cancel, .events = POLLIN};
     double wait = until > now ? ceil(1000 * (until - now)) : 0;
     int ready = socket_poll(c->polls, (nfds_t)*n + 1, wait < 1e9 ? (int)wait : 1000000000);
@@ -361,12 +369,30 @@ static void note_busy(const struct client *c)
         }
 }
 
+/* To the servers that have answered, while another one takes long: they have a patience, too. Not after DONE, which they hang
+ * up after. */
+static enum dm2_status tell_alive(struct client *c, struct dm2_error *err)
+{
+    struct dm2_error why = {0};
+    for (int k = 0; k < c->ranks; k++) {
+        if (c->peers[k].awaited)
+            continue;
+        enum dm2_status status =
+            channel_send(&c->peers[k].channel, MESSAGE_ALIVE, 0, NULL, 0, patience(c), &why);
+        if (status != DM2_OK)
+            return peer_failed(c, k, status, why.text, err);
+    }
+    return DM2_OK;
+}
+
 /* One message of `type` from every awaited server. With `note`, the user is told of those that do not answer
  * soon. */
 static enum dm2_status gather(struct client *c, enum message_type type, uint32_t limit, take_answer take,
                               bool note, struct dm2_error *err)
 {
-    double since = clock_now(), note_at = note ? since + BUSY_SECONDS : -1;
+    double since = clock_now(), note_at = note ? since + BUSY_SECONDS : INFINITY;
+    double every = alive_every(c->options->timeout);
+    double alive_at = takes_long(type) && type != MESSAGE_DONE ? since + every : INFINITY;
     int awaited = 0;
     enum dm2_status status = DM2_OK;
     for (int k = 0; k < c->ranks && status == DM2_OK; k++) {
@@ -376,16 +402,20 @@ static enum dm2_status gather(struct client *c, enum message_type type, uint32_t
     }
     while (awaited > 0 && status == DM2_OK) {
         int n;
-        status = wait_for_any(c, since, note_at, &n, err);
+        status = wait_for_any(c, since, fmin(note_at, alive_at), &n, err);
         for (int k = 0; k < n && status == DM2_OK; k++) {
             if (c->polls[k].revents == 0)
                 continue;
             status = take_frames(c, c->polled[k], type, limit, take, err);
             awaited -= !c->peers[c->polled[k]].awaited;
         }
-        if (note_at > 0 && status == DM2_OK && clock_now() >= note_at) {
+        if (status == DM2_OK && clock_now() >= note_at) {
             note_busy(c);
-            note_at = -1;
+            note_at = INFINITY;
+        }
+        if (status == DM2_OK && clock_now() >= alive_at) {
+            status = tell_alive(c, err);
+            alive_at = clock_now() + every;
         }
     }
     c->report.wait += clock_now() - since;

@@ -422,6 +422,7 @@ const char *message_name(uint8_t type, char buffer[16])
         [MESSAGE_DONE] = "DONE",
         [MESSAGE_ERROR] = "ERROR",
         [MESSAGE_PROFILE] = "PROFILE",
+        [MESSAGE_ALIVE] = "ALIVE",
         [MESSAGE_ECHO] = "ECHO",
         [MESSAGE_KNOCK] = "KNOCK",
         [MESSAGE_CHALLENGE] = "CHALLENGE",

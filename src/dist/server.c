@@ -38,6 +38,7 @@ struct session {
     struct lobby *lobby; /* looked after while the client is waited for */
     struct session_summary *summary;
     struct channel channel;
+    bool greeted; /* WELCOME is sent: the client may say that it is at work */
     struct bytes_writer out;
     struct deck_message deck;
     struct config config;
@@ -49,6 +50,9 @@ struct session {
     struct subdomain *sd;
     struct exchange exchange;
     double timeout;
+    double quiet_since;      /* the last message, from here or from there */
+    double alive_every;      /* seconds of work from then until ALIVE, and from one to the next */
+    struct dm2_error unsaid; /* what came of the one that could not be sent */
     double heard; /* when the last message had come: work since then is `busy` */
     double ahead; /* seconds of work on this step before that */
     bool counts;  /* the processor's seconds, since `counted`; see count_cpu */
@@ -64,9 +68,26 @@ static struct deadline patience(const struct session *s)
 /* Sends what s->out holds. */
 static enum dm2_status send_out(struct session *s, enum message_type type, struct dm2_error *err)
 {
+    if (s->unsaid.status != DM2_OK)
+        return dm2_fail(err, s->unsaid.status, "%s", s->unsaid.text);
     if (s->out.failed)
         return dm2_fail(err, DM2_MEMORY, "no memory for a message");
-    return channel_send(&s->channel, (uint8_t)type, 0, s->out.data, s->out.length, patience(s), err);
+    enum dm2_status status =
+        channel_send(&s->channel, (uint8_t)type, 0, s->out.data, s->out.length, patience(s), err);
+    s->quiet_since = clock_now();
+    return status;
+}
+
+/* Called in the midst of work that may take longer than the client waits. What goes wrong here is told
+ * by the next message that is sent. */
+static void beat(void *context)
+{
+    struct session *s = context;
+    double now = clock_now();
+    if (now - s->quiet_since < s->alive_every || s->unsaid.status != DM2_OK)
+        return;
+    s->quiet_since = now;
+    (void)channel_send(&s->channel, MESSAGE_ALIVE, 0, NULL, 0, patience(s), &s->unsaid);
 }
 
 /* Is this the message that is due? */
@@ -86,9 +107,9 @@ static enum dm2_status check_type(const struct frame *f, enum message_type type,
                     message_name((uint8_t)type, name[1]));
 }
 
-/* Waits for a message, and meanwhile looks after those who stand outside. */
-static enum dm2_status receive(struct session *s, uint32_t limit, struct deadline until, struct frame *f,
-                               struct dm2_error *err)
+/* Waits for a frame, and meanwhile looks after those who stand outside. */
+static enum dm2_status receive_frame(struct session *s, uint32_t limit, struct deadline until, struct frame *f,
+                                     struct dm2_error *err)
 {
     bool complete = false;
     enum dm2_status status = DM2_OK;
@@ -100,6 +121,19 @@ static enum dm2_status receive(struct session *s, uint32_t limit, struct deadlin
         status = channel_receive_some(&s->channel, limit, &complete, f, err);
     }
     return status;
+}
+
+/* Waits for a message; with each sign of life from the client, as long again. */
+static enum dm2_status receive(struct session *s, uint32_t limit, struct deadline until, struct frame *f,
+                               struct dm2_error *err)
+{
+    for (;;) {
+        enum dm2_status status = receive_frame(s, limit, until, f, err);
+        s->quiet_since = clock_now();
+        if (status != DM2_OK || f->type != MESSAGE_ALIVE || f->length != 0 || !s->greeted)
+            return status;
+        until = patience(s);
+    }
 }
 
 /* Waits for a message of this type. */
@@ -273,7 +307,7 @@ static enum dm2_status load_deck(struct session *s, struct dm2_error *err)
     if (status == DM2_OK)
         status = check_estimate(s, err);
     if (status == DM2_OK)
-        status = model_build(&s->config, &s->model, err);
+        status = model_build_watched(&s->config, (struct pulse){beat, s}, &s->model, err);
     return status == DM2_OK ? check_elements(s, err) : status;
 }
 
@@ -424,6 +458,7 @@ static enum dm2_status get_assignment(struct session *s, struct dm2_error *err)
     s->summary->rank = s->assign.rank;
     s->summary->ranks = s->assign.ranks;
     s->timeout = fmax(s->timeout, fmin(2 * s->assign.timeout, MOST_PATIENCE * s->options->timeout));
+    s->alive_every = alive_every(s->assign.timeout);
     status = check_assignment(s, err);
     if (status != DM2_OK)
         return status;
@@ -470,6 +505,7 @@ static bool count_cpu(struct session *s, bool on)
 static enum dm2_status send_state(struct session *s, enum state_purpose purpose, struct dm2_error *err)
 {
     double start = clock_now();
+    beat(s);
     bool counted = count_cpu(s, false);
     size_t n = subdomain_owned(s->sd);
     struct state_parts parts = {.head = {.step = subdomain_step(s->sd), .purpose = purpose}, .n_elements = n};
@@ -481,8 +517,10 @@ static enum dm2_status send_state(struct session *s, enum state_purpose purpose,
         status = dm2_fail(err, DM2_MEMORY, "no memory to send a state of %zu elements", n);
     if (status == DM2_OK)
         status = subdomain_collect(s->sd, elements, measured, err);
+    beat(s);
     if (status == DM2_OK)
         status = subdomain_collect_pairs(s->sd, &pairs, &parts.n_pairs, err);
+    beat(s);
     parts.elements = elements;
     parts.measured = measured;
     parts.pairs = pairs;
@@ -659,6 +697,7 @@ static enum dm2_status step(struct session *s, int64_t n, struct next_message *a
     if (status == DM2_OK && m.surveyed)
         subdomain_survey(s->sd, &m.spread);
     m.hashed = every > 0 && (m.step % every == 0 || m.step == s->config.steps);
+    beat(s);
     if (status == DM2_OK && m.hashed)
         status = state_hash_subdomain(s->sd, &m.hash, err);
     if (status == DM2_OK && asked->copy_next)
@@ -751,11 +790,13 @@ static enum dm2_status serve_client(const struct channel *client, const struct s
                                     struct lobby *lobby, struct session_summary *summary, struct dm2_error *err)
 {
     struct session s = {
-        .options = options, .lobby = lobby, .summary = summary, .timeout = options->timeout, .channel = *client};
-    double start = clock_now();
+        .options = options, .lobby = lobby, .summary = summary, .timeout = options->timeout, .channel = *client,
+        .alive_every = ALIVE_SECONDS};
+    double start = s.quiet_since = clock_now();
     *summary = (struct session_summary){.rank = -1};
     lobby->business = (struct lobby_business){.peer = client->name, .since = start, .session = summary};
     enum dm2_status status = shake_hands(&s, err);
+    s.greeted = status == DM2_OK;
     if (status == DM2_OK)
         status = get_deck(&s, err);
     if (status == DM2_OK && !summary->measured)

@@ -246,6 +246,7 @@ static void far_wide(struct pass *pass, struct lists *lists)
         pass->no_memory = true;
         return;
     }
+    pulse_beat(&m->pulse);
     if (pass->totals != NULL && !measure_wide(pass, inner)) {
         pass->far_plain = true;
         return;
@@ -260,6 +261,7 @@ void far_evaluate(struct pass *pass, struct lists *lists)
 {
     const struct model *m = pass->m;
     bool measure = pass->totals != NULL;
+    pulse_beat(&m->pulse);
     if (m->wide_far && !pass->plain && !pass->far_plain)
         far_wide(pass, lists);
     else if (m->uniform_far && measure)

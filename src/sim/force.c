@@ -198,6 +198,7 @@ static void near_sorted(struct pass *pass, struct lists *l)
     if (pass->no_memory)
         return;
     near_wide(pass, l, near_single);
+    pulse_beat(&pass->m->pulse);
     if (pass->totals != NULL)
         near_singles_measured(pass, l);
     else
@@ -207,6 +208,7 @@ static void near_sorted(struct pass *pass, struct lists *l)
 static void near_evaluate(struct pass *pass, struct lists *l)
 {
     const struct model *m = pass->m;
+    pulse_beat(&m->pulse);
     if (m->wide_near && !pass->plain)
         near_sorted(pass, l);
     else if (pass->totals != NULL)

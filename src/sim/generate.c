@@ -147,6 +147,7 @@ static enum dm2_status fill_crystal(struct generation *g, struct dm2_error *err)
     sites_in(b, b->origin, b->angle != 0.0 ? real_cos(b->angle) : 1.0,
              b->angle != 0.0 ? real_sin(b->angle) : 0.0, box, &s);
     for (int64_t row = s.row_first; row <= s.row_last; row++) {
+        pulse_beat(&g->model->pulse);
         for (int64_t column = s.column_first; column <= s.column_last; column++) {
             double r[2];
             site_position(&s, row, column, r);
@@ -227,6 +228,7 @@ static enum dm2_status fill_grain(struct generation *g, size_t index, struct dm2
     struct sites s;
     sites_in(b, grain->centre, grain->cosine, grain->sine, grain->box, &s);
     for (int64_t row = s.row_first; row <= s.row_last; row++) {
+        pulse_beat(&g->model->pulse);
         for (int64_t column = s.column_first; column <= s.column_last; column++) {
             double x[2], r[2];
             site_position(&s, row, column, x);
@@ -260,7 +262,8 @@ static enum dm2_status fill_grains(struct generation *g, struct dm2_error *err)
 {
     const struct config *c = g->model->config;
     g->apart = least_distance(c, &c->bodies[g->body]);
-    enum dm2_status status = grains_build(c, g->body, (uint32_t)g->grain, g->apart, &g->set, err);
+    enum dm2_status status = grains_build(c, g->body, (uint32_t)g->grain, g->apart, &g->model->pulse, &g->set,
+                                          err);
     if (status == DM2_OK && g->grain + g->set.n > UINT32_MAX)
         status = dm2_fail(err, DM2_DECK, "the deck makes more than 2^32 - 1 grains");
     for (size_t k = 0; k < g->set.n && status == DM2_OK; k++)

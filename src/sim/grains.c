@@ -111,6 +111,7 @@ static int place_seeds(const struct body_config *body, const double box[4], uint
     double apart = seed_distance * body->grain_size;
     int status = bins_start(&bins, box, box + 2, apart, set->n);
     for (size_t g = 0; status == 0 && g < set->n; g++) {
+        pulse_beat(set->pulse);
         double *x = set->grain[g].centre;
         for (uint64_t k = 0; k < SEED_TRIES; k++) {
             uint64_t number = ((uint64_t)first + g) * SEED_TRIES + k;
@@ -275,8 +276,10 @@ static int cut_cells(struct grain_set *set, const double box[4], double size, do
         }
     }
     status = 0;
-    for (size_t g = 0; g < set->n && status == 0; g++)
+    for (size_t g = 0; g < set->n && status == 0; g++) {
+        pulse_beat(set->pulse);
         status = cut_cell(set, g, images, &bins, apart, wide);
+    }
 done:
     bins_free(&bins);
     free(images);
@@ -480,6 +483,7 @@ static enum dm2_status pack(const struct body_config *body, uint32_t first, stru
     }
     double touch = 1e-9 * body->grain_size;
     while (sweeps++ < most && worst > (sweeps <= PATIENCE ? touch : left_over * body->grain_size)) {
+        pulse_beat(set->pulse);
         worst = sweep(body, set, &bins, push_slack);
         if (worst <= touch) /* what the slack pushed may overlap now; without it, nothing moves unless
                                something does */
@@ -542,11 +546,11 @@ static void turn(const struct body_config *body, uint32_t id, struct grain *g)
 }
 
 enum dm2_status grains_build(const struct config *config, size_t index, uint32_t first_grain, double apart,
-                             struct grain_set *set, struct dm2_error *err)
+                             const struct pulse *pulse, struct grain_set *set, struct dm2_error *err)
 {
     const struct body_config *body = &config->bodies[index];
     int failed = 0;
-    *set = (struct grain_set){0};
+    *set = (struct grain_set){.pulse = pulse};
     find_seams(config, body, set);
     if (body->structure == STRUCTURE_POLYCRYSTAL) {
         failed = build_cells(body, first_grain, apart, set);

@@ -320,6 +320,8 @@ enum dm2_status lists_build(struct lists *lists, const struct model *m, const st
         list_reserve_rows(&lists->far, p->n_own) != 0 || list_reserve_rows(&lists->near, p->n_own) != 0)
         goto done;
     for (int own = 0; own < cells->n_own; own++) {
+        if (own % 1024 == 0)
+            pulse_beat(&m->pulse);
         for (uint32_t i = cells->start[own]; i < cells->start[own + 1]; i++) {
             lists->far.start[i] = (uint32_t)b.far_count;
             lists->near.start[i] = (uint32_t)b.near_count;

@@ -476,12 +476,19 @@ struct model_estimate model_estimate(const struct config *config)
 
 enum dm2_status model_build(const struct config *config, struct model **out, struct dm2_error *err)
 {
+    return model_build_watched(config, (struct pulse){0}, out, err);
+}
+
+enum dm2_status model_build_watched(const struct config *config, struct pulse pulse, struct model **out,
+                                    struct dm2_error *err)
+{
     enum dm2_status status = DM2_MEMORY;
     struct model *m = mem_zalloc(1, sizeof *m);
     *out = NULL;
     if (m == NULL)
         goto no_memory;
     m->config = config;
+    m->pulse = pulse;
     m->n_kinds = config->n_materials + config->n_phases;
     m->kinds = mem_zalloc(m->n_kinds, sizeof *m->kinds);
     m->laws = mem_zalloc(m->n_kinds * m->n_kinds * RELATION_COUNT, sizeof *m->laws);

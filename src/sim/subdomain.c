@@ -130,6 +130,12 @@ static int add_slot(struct slot_array *a, uint32_t slot)
     return status;
 }
 
+/* Between any two pieces of work that take long. */
+static void beat(const struct subdomain *sd)
+{
+    pulse_beat(&sd->model->pulse);
+}
+
 static int cell_of_element(const struct subdomain *sd, const double r[2])
 {
     return grid_cell(sd->map.grid, r[0], r[1]);
@@ -432,11 +438,13 @@ static enum dm2_status arrange(struct subdomain *sd, const struct parcel *parcel
     assign_slots(sd, n_old, in.newcomers, in.n_newcomers, from, newcomer_slot, moved);
     for (size_t k = n_own; k < n; k++)
         from[k] = PARTICLES_NONE;
+    beat(sd);
     if (particles_permute(&sd->p, from, n) != 0)
         goto done;
     sd->p.n_own = n_own;
     sd->p.n = n;
     sd->n_leaving = 0;
+    beat(sd);
     for (size_t k = 0; k < in.n_newcomers; k++) {
         particles_put(&sd->p, sd->model, newcomer_slot[k], in.newcomers[k]);
         if (!idmap_add(&sd->ids, in.newcomers[k]->id, (int32_t)newcomer_slot[k])) {
@@ -449,6 +457,7 @@ static enum dm2_status arrange(struct subdomain *sd, const struct parcel *parcel
     if (status != DM2_OK)
         goto done;
     status = DM2_MEMORY;
+    beat(sd);
     if (carry_all(sd, parcels, n_parcels, n_old, moved, old_id, initial) != 0 || build_send_lists(sd) != 0)
         goto done;
     sd->p.r[2 * n] = sd->p.r[2 * n + 1] = sd->model->far_place;
@@ -468,6 +477,7 @@ static enum dm2_status build_lists(struct subdomain *sd, bool initial, struct dm
     double *anchor = block_hold(&sd->anchors, sd->p.n_own, 2 * sizeof *anchor);
     if (anchor == NULL)
         return no_memory(sd, err);
+    beat(sd);
     if (sd->p.n_own > 0)
         memcpy(anchor, sd->p.r, sd->p.n_own * 2 * sizeof *anchor);
     return lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, initial, err);
@@ -666,12 +676,14 @@ enum dm2_status subdomain_forces(struct subdomain *sd, bool measure, struct dm2_
     double started = clock_now();
     const struct model *m = sd->model;
     bool pressure = needs_pressure(m), totals = measure || pressure;
+    beat(sd);
     enum dm2_status status = m->has_kinds ? phase_account(m, &sd->p, &sd->lists, sd->step, err) : DM2_OK;
     if (status == DM2_OK && sd->pass.ahead)
         status = force_rest(&sd->pass, &sd->lists, sd->step, err);
     else if (status == DM2_OK)
         status = force_evaluate(sd->model, &sd->p, &sd->lists, leapfrog_kick_time(sd->model, sd->step),
                        leapfrog_path_time(sd->model, sd->step), totals ? &sd->totals : NULL, sd->step, err);
+    beat(sd);
     if (status == DM2_OK && m->reaction.any)
         status = reaction_evaluate(m, &sd->p, &sd->lists, leapfrog_kick_time(m, sd->step), sd->step, &sd->reacted, err);
     if (status == DM2_OK && pressure)
@@ -695,6 +707,7 @@ static enum dm2_status integrate(struct subdomain *sd, bool drift, double *dmax,
         out->links = sd->totals.links;
         out->contacts = sd->totals.contacts;
     }
+    beat(sd);
     enum dm2_status status = leapfrog_move(sd->model, &sd->p, sd->step, drift, dmax, out, err);
     sd->times.integrate += clock_now() - started;
     return status;

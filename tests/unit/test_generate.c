@@ -89,7 +89,7 @@ TEST(grains_are_voronoi_cells)
     struct grain_set set;
     struct made m =
         make(HEAD BODY "material = Cu; structure = polycrystal; grain_size = 0.3; seed = 9 }\n", NULL, &g);
-    CHECK_EQ_INT(grains_build(model_config(g.model), 0, 0, 0.02, &set, &g.err), DM2_OK);
+    CHECK_EQ_INT(grains_build(model_config(g.model), 0, 0, 0.02, NULL, &set, &g.err), DM2_OK);
     CHECK(set.wraps[0] && !set.wraps[1]);
     for (size_t i = 0; i < m.n; i++) {
         size_t nearest = 0;
@@ -133,7 +133,7 @@ TEST(grains_have_orientations)
     struct made m =
         make(HEAD BODY "material = Cu; structure = polycrystal; grain_size = 0.12; seed = 3 }\n", NULL, &g);
     size_t rows = 0, thirds[3] = {0};
-    CHECK_EQ_INT(grains_build(model_config(g.model), 0, 0, 0.02, &set, &g.err), DM2_OK);
+    CHECK_EQ_INT(grains_build(model_config(g.model), 0, 0, 0.02, NULL, &set, &g.err), DM2_OK);
     for (size_t i = 1; i < m.n; i++) {
         double dx = m.e[i].r[0] - m.e[i - 1].r[0], dy = m.e[i].r[1] - m.e[i - 1].r[1];
         if (m.e[i].grain != m.e[i - 1].grain || fabs(sqrt(dx * dx + dy * dy) - 0.02) > 1e-9)
@@ -239,7 +239,7 @@ TEST(powders_are_as_dense_as_asked_and_do_not_overlap)
         closest(&m, d);
         CHECK_NEAR(d[0], 1.0, 1e-9);
         CHECK(d[1] >= 1.0 - 1e-6);
-        CHECK_EQ_INT(grains_build(model_config(g.model), 0, 0, 0.02, &set, &g.err), DM2_OK);
+        CHECK_EQ_INT(grains_build(model_config(g.model), 0, 0, 0.02, NULL, &set, &g.err), DM2_OK);
         for (size_t i = 0; i < set.n; i++)
             area += k == 0 ? 3.14159265358979 * (set.grain[i].radius * set.grain[i].radius)
                            : polygon_area(&set, &set.grain[i]);

@@ -19,9 +19,17 @@
 #include "dm2/sim/measures.h"
 #include "dm2/sim/rebuild.h"
 
-enum { PROTOCOL_VERSION = 8 };
+enum { PROTOCOL_VERSION = 9 };
 
 enum { DEFAULT_PORT = 4702 }; /* of a server; the one place where it is written */
+
+/* Seconds of work until ALIVE is sent: a quarter of the client's patience, and a second at most. Before ASSIGN a server does
+ * not know that and takes ALIVE_SECONDS. */
+#define ALIVE_SECONDS 0.25
+static inline double alive_every(double patience)
+{
+    return patience < 4.0 ? 0.25 * patience : 1.0;
+}
 
 /* c: from the client, s: from the server. */
 enum message_type {
@@ -38,6 +46,7 @@ enum message_type {
     MESSAGE_ECHO = 13,   /* c: bytes, after WELCOME; s: the same bytes. An empty one ends the session */
     MESSAGE_ERROR = 11,  /* either: why the session ends now */
     MESSAGE_PROFILE = 12, /* s: the sums of a profile, before STEP or DONE as STATE is */
+    MESSAGE_ALIVE = 14,   /* either, after WELCOME, before what is due: nothing but that it is at work */
     /* Before HELLO where a key is in use (dm2/dist/auth.h); the payloads are nonces and codes as they are. */
     MESSAGE_KNOCK = 20,     /* c: nonce */
     MESSAGE_CHALLENGE = 21, /* s: nonce */

@@ -10,6 +10,7 @@
 
 #include "dm2/base/status.h"
 #include "dm2/sim/config.h"
+#include "dm2/sim/pulse.h"
 
 enum { GRAIN_NO_NEIGHBOUR = -1 };
 
@@ -35,6 +36,7 @@ struct grain_set {
     size_t n, n_sides, side_cap;
     bool wraps[2]; /* the body goes round this periodic direction of the domain */
     double low[2], period[2];
+    const struct pulse *pulse; /* beaten while they are made; NULL: none */
 };
 
 /* The grains of bodies[body] of the config, which is a polycrystal or a powder; first_grain is the global
@@ -42,7 +44,7 @@ struct grain_set {
  * a powder cannot be packed (how dense it got is in the message); DM2_MEMORY. Free with grains_free, also
  * after a failure. */
 enum dm2_status grains_build(const struct config *config, size_t body, uint32_t first_grain, double apart,
-                             struct grain_set *out, struct dm2_error *err);
+                             const struct pulse *pulse, struct grain_set *out, struct dm2_error *err);
 void grains_free(struct grain_set *set);
 
 /* Is x inside grain g by more than `margin`? */

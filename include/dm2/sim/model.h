@@ -11,6 +11,7 @@
 #include "dm2/sim/config.h"
 #include "dm2/sim/grid.h"
 #include "dm2/sim/measures.h"
+#include "dm2/sim/pulse.h"
 
 struct model; /* completed in dm2/sim/tables.h for the engine; the accessors below are what other layers need */
 
@@ -26,6 +27,10 @@ struct model_estimate model_estimate(const struct config *config);
  * contact distance, a law that cannot be calibrated, a powder that cannot be packed, a time step that is not stable; the
  * last two with their place in the deck (config_fail). */
 enum dm2_status model_build(const struct config *config, struct model **out, struct dm2_error *err);
+
+/* The same where somebody waits: the pulse beats while the model is built, and in all that is computed with it. */
+enum dm2_status model_build_watched(const struct config *config, struct pulse pulse, struct model **out,
+                                    struct dm2_error *err);
 void model_free(struct model *model);
 
 const struct config *model_config(const struct model *model);

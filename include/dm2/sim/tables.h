@@ -48,6 +48,7 @@ struct reaction_table {
 
 struct model {
     const struct config *config;
+    struct pulse pulse;    /* beaten by all that takes long */
     struct grid grid;
     size_t n_kinds;
     struct kind *kinds;

@@ -1,0 +1,21 @@
+/* Linked into dm2-server in front of the engine (-Wl,--wrap): a slow machine. Wherever the engine says that it is at work,
+ * DM2_SLOW milliseconds pass; with DM2_MUTE nobody hears that it said so. */
+#include <errno.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "dm2/sim/pulse.h"
+
+void __real_pulse_beat(const struct pulse *pulse);
+void __wrap_pulse_beat(const struct pulse *pulse);
+
+void __wrap_pulse_beat(const struct pulse *pulse)
+{
+    const char *slow = getenv("DM2_SLOW");
+    long ms = slow != NULL ? strtol(slow, NULL, 10) : 0;
+    struct timespec rest = {.tv_sec = ms / 1000, .tv_nsec = ms % 1000 * 1000000};
+    while (nanosleep(&rest, &rest) != 0 && errno == EINTR)
+        continue;
+    if (getenv("DM2_MUTE") == NULL)
+        __real_pulse_beat(pulse);
+}
