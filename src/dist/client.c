@@ -675,12 +675,15 @@ static enum dm2_status send_share(struct client *c, int rank, const struct state
     return status;
 }
 
-/* Whether the state at `step` is to come with its STEP message. */
-static bool wants_copy(const struct client *c, int64_t step)
+/* Whether the state at `step` is to come with its STEP message; if so, it will be asked for. */
+static bool wants_copy(struct client *c, int64_t step)
 {
     const struct config *config = c->job->config;
-    return step < config->steps && (c->course->stopping || copy_plan_due(&c->course->plan, step) ||
-                                    results_checkpoint_due(config, c->options->checkpoint_every, step));
+    bool wanted = step < config->steps && (c->course->stopping || copy_plan_due(&c->course->plan, step) ||
+                                           results_checkpoint_due(config, c->options->checkpoint_every, step));
+    if (wanted)
+        copy_plan_asked(&c->course->plan, step);
+    return wanted;
 }
 
 static enum dm2_status assign_ranks(struct client *c, struct dm2_error *err)
@@ -930,6 +933,24 @@ static enum dm2_status exchange_step(struct client *c, bool *rebuild, const stru
     return status;
 }
 
+/* Is the copy of the present step there for a checkpoint? */
+static bool checkpointed(const struct client *c)
+{
+    return c->course->stopping || results_checkpoint_due(c->job->config, c->options->checkpoint_every, c->at);
+}
+
+/* What a step took, for the distance of copies and for the report. */
+static void note_copy(struct client *c, bool copy, bool snapshot, double seconds)
+{
+    struct copy_plan *plan = &c->course->plan;
+    if (!copy) {
+        copy_plan_plain(plan, snapshot, seconds);
+    } else if (!checkpointed(c)) {
+        c->report.copies++;
+        c->report.copying += copy_plan_done(plan, snapshot, seconds);
+    }
+}
+
 static enum dm2_status step(struct client *c, int64_t n, bool *rebuild, struct dm2_error *err)
 {
     const struct config *config = c->job->config;
@@ -965,10 +986,7 @@ static enum dm2_status step(struct client *c, int64_t n, bool *rebuild, struct d
     c->report.output += clock_now() - sent;
     if (copy && status == DM2_OK)
         status = write_state(c, &c->copy, err);
-    if (copy && status == DM2_OK)
-        copy_plan_done(&c->course->plan, c->at, clock_now() - start);
-    else if (!snapshot)
-        copy_plan_plain(&c->course->plan, clock_now() - start);
+    note_copy(c, copy && status == DM2_OK, snapshot, clock_now() - start);
     c->report.steps = c->at;
     if (hashed && status == DM2_OK)
         tell_hash(c, c->at, sum.hash);

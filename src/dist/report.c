@@ -53,6 +53,9 @@ static void add_log(struct bytes_writer *w, const struct run_report *r)
     add(w, "migrants: %llu\n", (unsigned long long)migrants);
     add(w, "g: %zu bytes per boundary element of an update\n", r->update_bytes);
     add(w, "network: %llu bytes in %llu messages\n", (unsigned long long)bytes, (unsigned long long)messages);
+    if (r->copies > 0)
+        add(w, "copies of the state: %lld in %.6f s, %.2f %% of the time\n", (long long)r->copies, r->copying,
+            r->total > 0 ? 100 * r->copying / r->total : 0.0);
     if (r->losses > 0)
         add(w, "servers lost and made good: %d\n", r->losses);
     add(w, "client: %.6f s waiting for servers, %.6f s relaying\n", r->wait, r->relay);
