@@ -108,6 +108,7 @@ $(BUILD)/tools/%: $(BUILD)/tests/tools/%.o $(BUILD)/libdm2.a
 
 # Functions that a target has in place of the library's.
 $(BUILD)/fuzz/replay_fuzz_client $(BUILD)/fuzz_client: FUZZ_WRAP := -Wl,--wrap=socket_connect -Wl,--wrap=auth_nonce
+$(BUILD)/fuzz/replay_fuzz_session $(BUILD)/fuzz_session: FUZZ_WRAP := -Wl,--wrap=auth_nonce
 
 $(BUILD)/fuzz/replay_%: $(BUILD)/tests/fuzz/%.o $(BUILD)/tests/fuzz/replay.o $(BUILD)/libdm2.a
 	$(Q)mkdir -p $(@D)

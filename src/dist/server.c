@@ -88,6 +88,7 @@ static void beat(void *context)
         return;
     s->quiet_since = now;
     (void)channel_send(&s->channel, MESSAGE_ALIVE, 0, NULL, 0, patience(s), &s->unsaid);
+    lobby_look(s->lobby);
 }
 
 /* Is this the message that is due? */

@@ -122,8 +122,8 @@ DM2_INLINE void near_pair(struct pass *pass, struct lists *l, uint32_t i, uint32
     l->stretch[k] = state.stretch;
     l->spring[k] = state.spring;
     if (!near_add(&m->fixed, sums, p->pair_sum + SUM_COUNT * j, nx, ny, &effect, spin))
-        note_bad(pass, i, (uint32_t)j);
-    if (measure)
+        note_bad(pass, i, (uint32_t)j); /* and measured no more: its virial would be out of range, too */
+    else if (measure)
         near_measure(pass, i, (uint32_t)j, dx, dy, nx, ny, &effect, state.linked);
 }
 

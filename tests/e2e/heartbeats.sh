@@ -26,6 +26,26 @@ sed -n 's/.* steps, \([0-9]*\)\.[0-9]* ms per step$/\1/p' long/run.log >ms
 [ "$(cat ms)" -gt 2000 ] || fail "a step took $(cat ms) ms: nobody had to wait"
 stop_server "$slow_pid"
 
+# In the midst of a step that takes longer than who asks for the status waits, he is answered.
+DM2_SLOW=500
+start_server --timeout 10
+mkfifo hashes
+"$bin/dm2-client" small.dm2 -q --steps 1 -o asked --hash-every 1 --timeout 2 --server "$SERVER_ADDR" >hashes 2>&1 &
+running=$!
+exec 3<hashes
+IFS= read -r text <&3
+case $text in
+'step 0 hash '*) ;;
+*) fail "the client says '$text'" ;;
+esac
+expect_status 0 "$bin/dm2-client" --status --server "$SERVER_ADDR" --timeout 2
+expect_text out 'busy with'
+expect_text out 'step 0;'
+exec 3<&-
+kill -KILL "$running" "$SERVER_PID"
+wait "$running"
+DM2_SLOW=350
+
 DM2_MUTE=1
 export DM2_MUTE
 start_server --timeout 1

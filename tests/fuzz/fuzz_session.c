@@ -1,15 +1,13 @@
 /* The bytes are all that a client sends. Byte 0 says whether the server has a key, and whether it has time (bit 1: it has not, and
  * the bytes come from one who stands in the lobby); magic, version and checksum of frames are put right, so that what is
- * behind them is reached. */
+ * behind them is reached. The server's nonce is 0 (the Makefile's FUZZ_WRAP). */
 #include "fuzz.h"
 
 #include <fcntl.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "dm2/base/crc32c.h"
 #include "dm2/dist/lobby.h"
 #include "dm2/dist/messages.h"
 #include "dm2/dist/server.h"
@@ -17,18 +15,53 @@
 
 enum { MOST = 60000 }; /* fits into the socket's buffer */
 
-static void mend_headers(unsigned char *bytes, size_t n)
+/* The frames among the bytes, and what is left of them. A proof that begins with a 0 becomes the right one, and the frames behind
+ * it get tags. */
+static void speak(int fd, const unsigned char *bytes, size_t n, const struct auth_key *key)
 {
+    struct channel ch;
     struct frame_header h;
-    for (size_t at = 0; n - at >= FRAME_HEADER; at += FRAME_HEADER + h.length) {
-        (void)frame_header_decode(bytes + at, 0, UINT32_MAX, &h);
-        h.version = PROTOCOL_VERSION;
-        frame_header_encode(&h, bytes + at); /* the magic, too */
-        if (h.length > n - at - FRAME_HEADER)
-            return;
-        h.checksum = crc32c(crc32c(0, bytes + at, FRAME_HEADER - 4), bytes + at + FRAME_HEADER, h.length);
-        frame_header_encode(&h, bytes + at);
+    struct auth_nonces nonces = {{0}, {0}};
+    enum auth_role role = AUTH_CLIENT;
+    unsigned char head[FRAME_HEADER], code[AUTH_CODE], in[SIPHASH_KEY], out[SIPHASH_KEY];
+    channel_open(&ch, fd, PROTOCOL_VERSION, "the server");
+    while (n >= FRAME_HEADER) {
+        (void)frame_header_decode(bytes, 0, UINT32_MAX, &h);
+        if (h.length > n - FRAME_HEADER)
+            break;
+        const unsigned char *payload = bytes + FRAME_HEADER;
+        if ((h.type == MESSAGE_KNOCK || h.type == MESSAGE_STATUS) && h.length == AUTH_NONCE) {
+            memcpy(nonces.client, payload, AUTH_NONCE);
+            role = h.type == MESSAGE_STATUS ? AUTH_ASKER : AUTH_CLIENT;
+        }
+        bool right = key != NULL && h.type == MESSAGE_PROOF && h.length == AUTH_CODE && payload[0] == 0;
+        if (right)
+            auth_code(key, role, PROTOCOL_VERSION, &nonces, code);
+        (void)channel_send(&ch, h.type, h.flags, right ? code : payload, h.length, deadline_in(0, -1), NULL);
+        if (right) {
+            auth_session_key(key, AUTH_SERVER, PROTOCOL_VERSION, &nonces, in);
+            auth_session_key(key, AUTH_CLIENT, PROTOCOL_VERSION, &nonces, out);
+            channel_use_keys(&ch, in, out);
+        }
+        bytes += FRAME_HEADER + h.length;
+        n -= FRAME_HEADER + h.length;
     }
+    struct iovec rest[2] = {{(void *)(uintptr_t)bytes, n}, {NULL, 0}};
+    if (n >= FRAME_HEADER) {
+        h.version = PROTOCOL_VERSION;
+        frame_header_encode(&h, head); /* the magic, too */
+        rest[0] = (struct iovec){head, FRAME_HEADER};
+        rest[1] = (struct iovec){(void *)(uintptr_t)(bytes + FRAME_HEADER), n - FRAME_HEADER};
+    }
+    (void)socket_write_all(fd, rest, 2, deadline_in(0, -1), NULL);
+}
+
+enum dm2_status __wrap_auth_nonce(unsigned char nonce[AUTH_NONCE], struct dm2_error *err);
+enum dm2_status __wrap_auth_nonce(unsigned char nonce[AUTH_NONCE], struct dm2_error *err)
+{
+    (void)err;
+    memset(nonce, 0, AUTH_NONCE);
+    return DM2_OK;
 }
 
 /* A server that is busy looks at what has come; takes fd over. */
@@ -58,25 +91,18 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
                                            .key = data[0] % 2 == 1 ? &key : NULL,
                                            .max_elements = 10000,
                                            .max_steps = 10};
-    unsigned char *bytes = malloc(size - 1);
     struct session_summary summary;
     struct dm2_error err = {0};
     socket_ignore_sigpipe();
     (void)fcntl(fd[0], F_SETFL, O_NONBLOCK);
     (void)fcntl(fd[1], F_SETFL, O_NONBLOCK);
-    if (bytes != NULL) {
-        memcpy(bytes, data + 1, size - 1);
-        mend_headers(bytes, size - 1);
-        if (write(fd[1], bytes, size - 1) > 0 && data[0] / 2 % 2 == 1)
-            stand_outside(fd[0], &options);
-        else if (shutdown(fd[1], SHUT_WR) == 0)
-            (void)server_session(fd[0], "fuzz", &options, &summary, &err);
-        else
-            (void)close(fd[0]);
+    speak(fd[1], data + 1, size - 1, options.key);
+    if (data[0] / 2 % 2 == 1) {
+        stand_outside(fd[0], &options);
     } else {
-        (void)close(fd[0]);
+        (void)shutdown(fd[1], SHUT_WR);
+        (void)server_session(fd[0], "fuzz", &options, &summary, &err);
     }
     (void)close(fd[1]);
-    free(bytes);
     return 0;
 }

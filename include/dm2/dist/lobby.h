@@ -71,6 +71,9 @@ void lobby_enter(struct lobby *l, int fd, const char *peer);
  * DM2_INTERRUPTED; DM2_NET where the listener broke; DM2_PROTOCOL where there is none (-1) and nobody is left inside. */
 enum dm2_status lobby_next(struct lobby *l, struct deadline until, struct channel *out, struct dm2_error *err);
 
+/* Looks after the lobby once, without waiting: for who computes and has no time. */
+void lobby_look(struct lobby *l);
+
 /* Looks after the lobby until `fd` can be read. False: the deadline has come, the process is asked to end, or something broke;
  * the next wait for fd finds out which. */
 bool lobby_wait(struct lobby *l, int fd, struct deadline until);
