@@ -12,8 +12,11 @@
 # that a step through 10BaseT consists of communication. The time on a cluster of processors `factor` times slower is
 # computed, along the critical path, the busiest server's:
 #
-#     t_dist = link_step + (factor - 1) computing          t_seq = factor (computing of dm2-seq)
+#     messages = link_step - (computing - ahead)           ahead: the part of computing done while messages are on the way
+#     t_dist   = factor computing + messages               t_seq = factor (computing of dm2-seq)
+#     t_ahead  = factor (computing - ahead) + the larger of messages and factor ahead
 #
+# t_dist is the paper's flow, in which a server first computes and then exchanges; t_ahead is what dm2 does.
 # `paper` is the factor with which dm2-seq takes the paper's 0.3316 ms per element and step (eq. 13) at 50,000 elements,
 # `paper-x10` a tenth of it. speedup_predicted is eqs. (18)-(20) with that processor and the m_N and b_N of the link.
 # The client stays as fast as it is here.
@@ -50,17 +53,17 @@ through()
     [ "$status" -eq 0 ] || { cat "$work/$network/said"; exit "$status"; }
 }
 
-# computing DIRECTORY: seconds per step of the busiest server of a run.
+# computing DIRECTORY: seconds per step of the busiest server of a run, and of these the seconds ahead.
 computing()
 {
     awk -F , 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
         { w = $at["forces [s]"] + $at["integrate [s]"] + $at["rebuild [s]"]
-          w *= $at["cpu [s]"] / (w + $at["pack [s]"] + $at["unpack [s]"]) / $at["steps"]
-          if (w > most) most = w }
-        END { printf "%.17g\n", most }' "$1/timing.csv"
+          part = $at["cpu [s]"] / (w + $at["pack [s]"] + $at["unpack [s]"]) / $at["steps"]
+          if (w * part > most) { most = w * part; ahead = $at["ahead [s]"] * part } }
+        END { printf "%.17g,%.17g\n", most, ahead }' "$1/timing.csv"
 }
 
-# cases NETWORK: n,servers,runs,link_step,link_predicted,computing; servers 0 is dm2-seq. Means over the runs, but of the computing
+# cases NETWORK: n,servers,runs,link_step,link_predicted,computing,ahead; servers 0 is dm2-seq. Means over the runs, but of the computing
 # the least: what other programs do to caches only ever adds.
 cases()
 {
@@ -94,13 +97,15 @@ table() # NETWORK NAME PART: a part of the table, with processors that take PART
         FILENAME ~ /predicted.csv$/ { speedup[$1, $2] = $3; next }
         $2 == 0 { seq[$1] = $6; from = $1 < 50000 ? 50000 - $1 : $1 - 50000
                   if (!(nearest > 0) || from < least) { least = from; nearest = $6 / $1 }; next }
-        { n[++rows] = $1; servers[rows] = $2; runs[rows] = $3; step[rows] = $4; said[rows] = $5; most[rows] = $6 }
+        { n[++rows] = $1; servers[rows] = $2; runs[rows] = $3; step[rows] = $4; said[rows] = $5; most[rows] = $6; ahead[rows] = $7 }
         END { factor = part * 0.3316e-3 / nearest
               for (i = 1; i <= rows; i++) {
                   t_seq = factor * seq[n[i]]
-                  t_dist = step[i] + (factor - 1) * most[i]
+                  messages = step[i] - (most[i] - ahead[i])
+                  t_dist = factor * most[i] + messages
+                  t_ahead = factor * (most[i] - ahead[i]) + (messages > factor * ahead[i] ? messages : factor * ahead[i])
                   print network, name, factor, n[i], servers[i], runs[i], step[i], said[i], most[i], t_seq, t_dist, t_seq / t_dist,
-                      t_seq / t_dist / servers[i], speedup[n[i], servers[i]] } }' "$work/predicted.csv" "$work/$1/cases.csv"
+                      t_seq / t_dist / servers[i], speedup[n[i], servers[i]], ahead[i], t_ahead, t_seq / t_ahead } }' "$work/predicted.csv" "$work/$1/cases.csv"
 }
 
 for network in 10baset fast; do
@@ -108,7 +113,7 @@ for network in 10baset fast; do
     cases "$network" >"$work/$network/cases.csv"
 done
 {
-    echo network,processor,factor,n,servers,runs,link_step,link_predicted,computing,t_seq,t_dist,speedup,efficiency,speedup_predicted
+    echo network,processor,factor,n,servers,runs,link_step,link_predicted,computing,t_seq,t_dist,speedup,efficiency,speedup_predicted,ahead,t_ahead,speedup_ahead
     table 10baset paper 1
     table 10baset paper-x10 0.1
     table fast paper 1

@@ -262,13 +262,13 @@ tables()
     awk -F , -v OFS=, 'BEGIN { print "elements", "servers", "measured [ms]", "predicted [ms]", "error [%]", "speedup", "efficiency", "speedup with a processor each (computed)" }
         NR > 1 { print $2, $1 == "dm2-seq" ? "dm2-seq" : $3, sprintf("%.3f", 1e3 * $5), sprintf("%.3f", 1e3 * $6), sprintf("%+.1f", $7),
                  sprintf("%.2f", $9), sprintf("%.2f", $11), sprintf("%.2f", $14) }' "$to/compare.csv" | markdown | insert sweep
-    awk -F , -v OFS=, 'BEGIN { print "network", "processors", "elements", "speedup 2", "4", "8 servers", "efficiency 2", "4", "8 servers", "eqs. (18)-(20): 2", "4", "8 servers" }
+    awk -F , -v OFS=, 'BEGIN { print "network", "processors", "elements", "speedup 2", "4", "8 servers", "efficiency 2", "4", "8 servers", "eqs. (18)-(20): 2", "4", "8 servers", "working ahead: 2", "4", "8 servers" }
         NR > 1 { key = $1 "," $2 "," $4; if (!(key in seen)) { seen[key] = 1; keys[++n] = key }
-                 s[key] = s[key] sprintf(",%.2f", $12); e[key] = e[key] sprintf(",%.2f", $13); p[key] = p[key] sprintf(",%.2f", $14) }
-        END { for (i = 1; i <= n; i++) print keys[i] s[keys[i]] e[keys[i]] p[keys[i]] }' "$to/emulated.csv" | markdown | insert emulated
+                 s[key] = s[key] sprintf(",%.2f", $12); e[key] = e[key] sprintf(",%.2f", $13); p[key] = p[key] sprintf(",%.2f", $14); a[key] = a[key] sprintf(",%.2f", $17) }
+        END { for (i = 1; i <= n; i++) print keys[i] s[keys[i]] e[keys[i]] p[keys[i]] a[keys[i]] }' "$to/emulated.csv" | markdown | insert emulated
     awk -F , -v OFS=, 'BEGIN { print "network", "servers", "from elements", "to", "computing grows as n to the", "communication as n to the" }
-        NR > 1 && $2 == "paper" { key = $1 "," $5; if (!(key in first)) { first[key] = $4; keys[++n] = key; c[key] = $9; m[key] = $7 - $9 }
-            last[key] = $4; computing[key] = $9; messages[key] = $7 - $9 }
+        NR > 1 && $2 == "paper" { key = $1 "," $5; if (!(key in first)) { first[key] = $4; keys[++n] = key; c[key] = $9; m[key] = $7 - $9 + $15 }
+            last[key] = $4; computing[key] = $9; messages[key] = $7 - $9 + $15 }
         function grows(from, to, key) { return sprintf("%.2f", log(to / from) / log(last[key] / first[key])) }
         END { for (i = 1; i <= n; i++) { k = keys[i]
                   print k, first[k], last[k], grows(c[k], computing[k], k), grows(m[k], messages[k], k) } }' "$to/emulated.csv" |

@@ -18,7 +18,12 @@ awk -F , '
     { factor = $at["factor"]; n = $at["n"]; computing = $at["computing"]; step = $at["link_step"]
       if (!(computing > 0 && step > computing && $at["link_predicted"] > 0 && $at["speedup_predicted"] > 0)) exit 1
       if (!near($at["t_seq"], n * 0.3316e-3 * ($2 == "paper" ? 1 : 0.1))) exit 2 # eq. (13), at the only size there is
-      if (!near($at["t_dist"], step + (factor - 1) * computing)) exit 3
+      ahead = $at["ahead"]; messages = step - computing + ahead
+      if (!(ahead > 0 && ahead < computing)) exit 6
+      if (!near($at["t_dist"], factor * computing + messages)) exit 3
+      more = messages > factor * ahead ? messages : factor * ahead
+      if (!near($at["t_ahead"], factor * (computing - ahead) + more)) exit 7
+      if (!near($at["speedup_ahead"], $at["t_seq"] / $at["t_ahead"])) exit 8
       if (!near($at["speedup"], $at["t_seq"] / $at["t_dist"]) || !near($at["efficiency"], $at["speedup"] / $5)) exit 4
       if ($2 == "paper") slow[$1] = factor
       if ($2 == "paper-x10" && !near(factor * 10, slow[$1])) exit 5 }' "$table" || { cat "$table"; fail "a column is wrong: $?"; }
