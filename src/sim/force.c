@@ -385,7 +385,7 @@ void force_ahead(struct pass *pass, const struct model *m, struct particles *p, 
 {
     *pass = start(m, p, dt_kick, dt_path, totals);
     if (lists->n_inside == 0 || m->has_kinds || (m->has_far && totals != NULL) ||
-        (m->has_near && lists_keep_memory(lists) != 0))
+        (m->has_near && lists_keep_memory(lists, m->has_spin) != 0))
         return;
     check_start(pass, lists);
     pass->ahead = true;
@@ -400,7 +400,7 @@ void force_ahead(struct pass *pass, const struct model *m, struct particles *p, 
 void force_drop(struct pass *pass, struct lists *lists)
 {
     if (pass->ahead && pass->m->has_near)
-        lists_restore_memory(lists);
+        lists_restore_memory(lists, pass->m->has_spin);
     check_end(pass);
     pass->ahead = false;
 }

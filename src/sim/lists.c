@@ -354,28 +354,30 @@ done:
     return status;
 }
 
-int lists_keep_memory(struct lists *l)
+int lists_keep_memory(struct lists *l, bool springs)
 {
-    size_t n = l->near.start[l->n_inside];
+    size_t n = l->near.start[l->n_inside], numbers = springs ? 2 * n : n;
     void *kept = l->kept;
-    int status = mem_grow(&kept, &l->kept_cap, 0, n * (2 * sizeof *l->kept + sizeof *l->linked) + 1, 1);
+    int status = mem_grow(&kept, &l->kept_cap, 0, numbers * sizeof *l->kept + n * sizeof *l->linked + 1, 1);
     l->kept = kept;
     if (status != 0 || n == 0)
         return status;
-    memcpy(l->kept, l->stretch, n * sizeof *l->kept);
-    memcpy(l->kept + n, l->spring, n * sizeof *l->kept);
-    memcpy(l->kept + 2 * n, l->linked, n * sizeof *l->linked);
+    if (springs)
+        memcpy(l->kept, l->spring, n * sizeof *l->kept);
+    memcpy(l->kept + numbers - n, l->stretch, n * sizeof *l->kept);
+    memcpy(l->kept + numbers, l->linked, n * sizeof *l->linked);
     return 0;
 }
 
-void lists_restore_memory(struct lists *l)
+void lists_restore_memory(struct lists *l, bool springs)
 {
-    size_t n = l->near.start[l->n_inside];
+    size_t n = l->near.start[l->n_inside], numbers = springs ? 2 * n : n;
     if (n == 0)
         return;
-    memcpy(l->stretch, l->kept, n * sizeof *l->kept);
-    memcpy(l->spring, l->kept + n, n * sizeof *l->kept);
-    memcpy(l->linked, l->kept + 2 * n, n * sizeof *l->linked);
+    if (springs)
+        memcpy(l->spring, l->kept, n * sizeof *l->kept);
+    memcpy(l->stretch, l->kept + numbers - n, n * sizeof *l->kept);
+    memcpy(l->linked, l->kept + numbers, n * sizeof *l->linked);
 }
 
 void lists_free(struct lists *l)

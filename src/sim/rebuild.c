@@ -10,7 +10,7 @@
 
 #include <math.h>
 
-static const double GROWTH = 1.5;       /* of dmax from one step to the next that the guess allows for */
+static const double GROWTH = 1.1;       /* of dmax from one step to the next that the guess allows for */
 static const double ROUNDING = 1e-9;    /* share of dR left for the rounding of positions and of these sums */
 
 struct spread spread_none(void)

@@ -55,7 +55,7 @@ struct lists {
     uint32_t *carried_b; /* behind them: its b, and CARRIED_LINKED */
     void *carried_own;  /* the block that both lie in, where the room that was lent is too small */
     size_t carried_own_cap, rows_cap;
-    double *kept; /* stretch and spring of the inside's near pairs, behind them linked: lists_keep_memory */
+    double *kept; /* stretch of the inside's near pairs, behind it linked, in front perhaps spring: lists_keep_memory */
     size_t kept_cap;
 };
 #define CARRIED_LINKED (UINT32_C(1) << 31) /* slots are below 2^31 */
@@ -84,9 +84,10 @@ static inline void lists_carry_place(struct lists *lists, uint32_t a, struct car
 enum dm2_status lists_build(struct lists *lists, const struct model *m, const struct particles *p,
                             const struct cells *cells, bool initial, struct dm2_error *err);
 
-/* A copy of the memory of the inside's near pairs, and back: what an evaluation ahead changes. 0, or -1 without memory. */
-int lists_keep_memory(struct lists *lists);
-void lists_restore_memory(struct lists *lists);
+/* A copy of the memory of the inside's near pairs, and back: what an evaluation ahead changes. `springs`: of those too, where
+ * the deck has any. 0, or -1 without memory. */
+int lists_keep_memory(struct lists *lists, bool springs);
+void lists_restore_memory(struct lists *lists, bool springs);
 void lists_free(struct lists *lists);
 size_t lists_bytes(const struct lists *lists);
 

@@ -46,7 +46,7 @@ bool rebuild_plan_step(struct rebuild_plan *plan, double dmax, const struct spre
 void rebuild_plan_done(struct rebuild_plan *plan);
 
 /* A guess made one step ahead, so that a distributed run need not ask twice: will the step after the last one
- * end in a rebuild, were dmax to grow by half? */
+ * end in a rebuild, were dmax to grow by a tenth? */
 bool rebuild_plan_expected(const struct rebuild_plan *plan);
 
 /* Shall the step after the last one end in a survey, because otherwise a rebuild would be expected of the one after it? */
