@@ -253,7 +253,7 @@ tables()
                   print n, sprintf("%.2e", value[1, "m", n]), sprintf("%.3f", 1e3 * value[1, "b", n]), sprintf("%.2e", value[2, "m", n]),
                       sprintf("%.2e", value[3, "m", n]), m[n], b[n] }' \
         "$to/calibration.csv" "$to/link-10baset.csv" "$to/link-fast.csv" | markdown | insert network
-    awk -F , -v OFS=, 'BEGIN { print "elements", "k alone [s]", "k with all processors busy [s]" } $1 == "size" { n = $3 }
+    awk -F , -v OFS=, 'BEGIN { print "elements", "k alone [s]", "k of a server, one on each processor [s]" } $1 == "size" { n = $3 }
         $1 == "k_alone" { alone = $3 } $1 == "k_shared" { print n, sprintf("%.3e", alone), sprintf("%.3e", $3) }' \
         "$to/calibration.csv" | markdown | insert k
     awk -F , -v OFS=, 'BEGIN { print "program", "elements", "servers", "runs", "measured [ms]", "predicted [ms]", "error [%]" }

@@ -108,27 +108,9 @@ static enum dm2_status finish(const struct child *c, const char *path, int cance
     return dm2_fail(err, why_of(code), "%s failed, see above", path);
 }
 
-enum dm2_status child_run_all(char *const *const argv[], int copies, int cancel, struct dm2_error *err)
-{
-    struct child *children = mem_zalloc((size_t)copies, sizeof *children);
-    struct dm2_error later;
-    enum dm2_status status = DM2_OK;
-    int started = 0;
-    if (children == NULL)
-        return dm2_fail(err, DM2_MEMORY, "no memory for %d programs", copies);
-    while (started < copies && status == DM2_OK) {
-        status = start(argv[started], &children[started], err);
-        started++;
-    }
-    for (int k = 0; k < started; k++) {
-        enum dm2_status ended = finish(&children[k], argv[k][0], cancel, status == DM2_OK ? err : &later);
-        status = status == DM2_OK ? ended : status;
-    }
-    free(children);
-    return status;
-}
-
 enum dm2_status child_run(char *const argv[], int cancel, struct dm2_error *err)
 {
-    return child_run_all(&argv, 1, cancel, err);
+    struct child child;
+    enum dm2_status status = start(argv, &child, err), ended = finish(&child, argv[0], cancel, err);
+    return status != DM2_OK ? status : ended;
 }

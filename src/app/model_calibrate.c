@@ -1,8 +1,10 @@
-/* dm2-model calibrate: k from sequential runs, m_N and b_N from round trips, into the calibration file.
+/* dm2-model calibrate: k from runs of one and of all processors, m_N and b_N from round trips, into the calibration file.
  *
  * k = T c/n^2 (eq. 11) of each run; T is the processor's time per step, which is the time that passes where a machine has
  * nothing else to do, and does not count what other programs take where it has. k is not one number: more elements fit
- * worse into caches, and processors of one machine share those and the memory; hence every size, alone and crowded. The
+ * worse into caches, and processors of one machine share those and the memory; hence every size, alone and as the share of
+ * each of as many servers as there are processors. A server's k is more than that of dm2-seq beside its like: it evaluates
+ * the pairs across its boundary, too, keeps what it may have to undo, and finds its caches as its client left them. The
  * cells' edges of the file are those of square cells that give the largest run its number of cells. */
 #include <math.h>
 #include <stdio.h>
@@ -32,11 +34,12 @@ struct calibrate {
     bool help;
 };
 
-/* k of one run, eq. (11). */
-static double k_of(const struct run_report *r)
+/* k of one server, or of dm2-seq, eq. (11). */
+static double k_of(const struct run_report *r, int server)
 {
-    double n = (double)r->elements, cells = (double)r->servers[0].cells;
-    return r->servers[0].times.cpu / (double)r->steps * cells / (n * n);
+    const struct server_report *s = &r->servers[server];
+    double n = (double)s->owned, cells = (double)s->cells;
+    return n > 0 ? s->times.cpu / (double)r->steps * cells / (n * n) : 0;
 }
 
 static int compare(const void *a, const void *b)
@@ -60,11 +63,10 @@ static void note_run(struct calibration *out, const struct run_report *r, struct
     out->perf.g = (double)r->update_bytes;
 }
 
-/* The runs of one size: one alone, then as many at once as there are processors; alone[] gets the k of the runs alone. */
+/* The runs of one size: dm2-seq, then a server of this size for each processor; alone[] gets the k of the former. */
 static enum dm2_status measure_size(const struct calibrate *c, double wanted, int processors, double *alone,
                                     struct calibration *out, struct perf_size *size, struct dm2_error *err)
 {
-    static struct run_report copies[SWEEP_COPIES];
     static double shared[RUNS_MOST];
     int runs = (int)c->sweep.runs;
     size_t n_shared = 0;
@@ -75,21 +77,24 @@ static enum dm2_status measure_size(const struct calibrate *c, double wanted, in
         if (status != DM2_OK)
             return status;
         note_run(out, &r, size);
-        alone[run - 1] = k_of(&r);
+        alone[run - 1] = k_of(&r, 0);
         free(r.servers);
-        if (processors > 1)
-            status = sweep_run_copies(&c->sweep, wanted, processors, run, copies, err);
-        for (int k = 0; k < processors && processors > 1 && status == DM2_OK; k++) {
-            if (n_shared < RUNS_MOST)
-                shared[n_shared++] = k_of(&copies[k]);
-            free(copies[k].servers);
+        if (processors == 1)
+            continue;
+        status = sweep_run(&c->sweep, wanted * processors, processors, run, &r, err);
+        for (int k = 0; k < processors && status == DM2_OK; k++) {
+            double of_server = k_of(&r, k);
+            if (n_shared < RUNS_MOST && of_server > 0)
+                shared[n_shared++] = of_server;
         }
+        if (status == DM2_OK)
+            free(r.servers);
     }
     if (status != DM2_OK)
         return status;
     size->alone = median_of(alone, (size_t)runs);
     size->shared = n_shared > 0 ? median_of(shared, n_shared) : size->alone;
-    (void)printf("%8.0f elements: k = %.4g s alone, %.4g s with %d at once\n", size->n, size->alone, size->shared,
+    (void)printf("%8.0f elements: k = %.4g s alone, %.4g s each of %d servers\n", size->n, size->alone, size->shared,
                  processors);
     (void)fflush(stdout);
     return DM2_OK;
@@ -100,7 +105,7 @@ static enum dm2_status measure_k(struct calibrate *c, struct calibration *out, s
 {
     static double k[RUNS_MOST];
     size_t count = 0;
-    int cores = local_servers_cores(), processors = cores > SWEEP_COPIES ? SWEEP_COPIES : cores;
+    int processors = local_servers_cores();
     enum dm2_status status = DM2_OK;
     if (c->servers.named.n > 0)
         processors = 1; /* each server has its machine */

@@ -173,31 +173,6 @@ enum dm2_status sweep_run(const struct sweep *s, double n, int servers, int run,
     return status;
 }
 
-enum dm2_status sweep_run_copies(const struct sweep *s, double n, int copies, int run, struct run_report *out,
-                                 struct dm2_error *err)
-{
-    struct run_line *lines = mem_zalloc((size_t)copies, sizeof *lines);
-    char **argv[SWEEP_COPIES];
-    enum dm2_status status = lines == NULL ? dm2_fail(err, DM2_MEMORY, "no memory for %d runs", copies) : DM2_OK;
-    int written = 0, read = 0;
-    for (; written < copies && status == DM2_OK; written += status == DM2_OK) {
-        struct run_line *line = &lines[written];
-        (void)snprintf(line->directory, sizeof line->directory, "%s/n%.0f-copy%d-%d", s->directory, n, written + 1, run);
-        status = write_line(s, n, 0, line, err);
-        argv[written] = line->argv;
-    }
-    if (status == DM2_OK)
-        status = child_run_all((char *const *const *)argv, copies, s->cancel, err);
-    for (; read < copies && status == DM2_OK; read += status == DM2_OK)
-        status = take_report(lines[read].directory, &out[read], err);
-    for (int k = 0; k < read && status != DM2_OK; k++)
-        free(out[k].servers);
-    for (int k = 0; k < written; k++)
-        free_line(&lines[k]);
-    free(lines);
-    return status;
-}
-
 /* --- reading ---------------------------------------------------------------------------------------------- */
 
 /* The number behind `label` at the start of a line of the log. */

@@ -14,7 +14,4 @@ char *child_path(const char *argv0, const char *name);
  * it did not start. */
 enum dm2_status child_run(char *const argv[], int cancel, struct dm2_error *err);
 
-/* The same with `copies` of it at once, argv[k] for each. All are waited for; the first that fails is what counts. */
-enum dm2_status child_run_all(char *const *const argv[], int copies, int cancel, struct dm2_error *err);
-
 #endif

@@ -8,7 +8,7 @@
 #include "dm2/base/status.h"
 #include "dm2/dist/report.h"
 
-enum { SWEEP_OPTIONS = 5, SWEEP_SIZES = 32, SWEEP_PATH = 1024, SWEEP_COPIES = 64 };
+enum { SWEEP_OPTIONS = 5, SWEEP_SIZES = 32, SWEEP_PATH = 1024 };
 
 struct sweep {
     const char *deck, *directory;
@@ -35,10 +35,6 @@ void sweep_free(struct sweep *s);
  * and what sweep_read fails with. */
 enum dm2_status sweep_run(const struct sweep *s, double n, int servers, int run, struct run_report *out,
                           struct dm2_error *err);
-
-/* The same for dm2-seq, `copies` (1 to SWEEP_COPIES) of it at once; a report of each. On failure there are none. */
-enum dm2_status sweep_run_copies(const struct sweep *s, double n, int copies, int run, struct run_report *out,
-                                 struct dm2_error *err);
 
 /* The report of a finished run: elements, steps, times, servers with their cells, elements and times; `program` is
  * "dm2-seq" or "dm2-client". DM2_IO; DM2_USAGE where the directory holds no run of this version. */
