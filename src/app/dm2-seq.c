@@ -246,7 +246,7 @@ static enum dm2_status run_all(struct sequence *s, const struct decomposition *d
         status = subdomain_create(s->run->model, &map, 0, &s->sd, err);
     s->every = run_checkpoint_every(s->options, s->run);
     s->report.set_up = clock_now() - started;
-    rebuild_plan_start(&s->plan, &s->run->config);
+    rebuild_plan_start(&s->plan, &s->run->config, model_margins(s->run->model));
     if (status == DM2_OK)
         status = run_steps(s, cancel, err);
     if (status == DM2_OK) {

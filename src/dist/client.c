@@ -1107,7 +1107,7 @@ static enum dm2_status open_client(struct client *c, struct dm2_error *err)
     state_merge_open(&c->snapshot.merge, limits);
     state_merge_open(&c->final.merge, limits);
     state_merge_open(&c->copy.merge, limits);
-    rebuild_plan_start(&c->plan, c->job->config);
+    rebuild_plan_start(&c->plan, c->job->config, model_margins(c->job->model));
     status = open_profiles(c, err);
     return status != DM2_OK ? status : relay_open(&c->relay, c->ranks, err);
 }

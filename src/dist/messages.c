@@ -192,14 +192,18 @@ static void put_spread(struct bytes_writer *w, const struct spread *s)
     bytes_put_f64s(w, s->low, 2);
     bytes_put_f64s(w, s->high, 2);
     bytes_put_f64(w, s->most);
+    bytes_put_f64(w, s->close);
 }
 
-/* Of no element it is infinite; a number that is none would hide the others' in a comparison. */
+/* Of no element the box is infinite, and so is what was not looked at; a number that is none would hide the others' in a
+ * comparison. */
 static void get_spread(struct bytes_reader *r, struct spread *s)
 {
     bytes_get_f64s(r, s->low, 2);
     bytes_get_f64s(r, s->high, 2);
     s->most = get_seconds(r);
+    s->close = bytes_get_f64(r);
+    require(r, s->close >= 0.0);
     for (int a = 0; a < 2; a++)
         require(r, s->low[a] <= s->high[a] || (s->low[a] == INFINITY && s->high[a] == -INFINITY));
 }

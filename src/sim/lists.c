@@ -122,7 +122,7 @@ static void consider_near(struct builder *b, uint32_t i, uint32_t j, double r2)
     const struct particles *p = b->p;
     enum relation relation = relation_of(p->body[i], p->grain[i], p->body[j], p->grain[j]);
     const struct pair_law *law = model_law(b->m, p->kind[i], p->kind[j], relation);
-    double r0 = p->radius[i] + p->radius[j], reach = r0 * b->m->growth + b->m->config->delta_r;
+    double r0 = p->radius[i] + p->radius[j], reach = r0 * b->m->growth + b->m->margins.close;
     if (b->initial && r2 < 0.25 * (r0 * r0) && !b->overlap) {
         b->overlap = true;
         b->close_a = i;
@@ -292,7 +292,7 @@ int lists_carry_reserve(struct lists *l, size_t n_own, void *room, size_t bytes)
 
 static struct builder begin(struct lists *lists, const struct model *m, const struct particles *p, bool initial)
 {
-    double dr = m->config->delta_r, near = m->has_near || initial ? 2.0 * m->radius_max + dr : 0.0;
+    double dr = m->config->delta_r, near = m->has_near || initial ? 2.0 * m->radius_max + m->margins.close : 0.0;
     struct builder b = {.lists = lists, .m = m, .p = p, .initial = initial};
     if (initial && near < initial_reach * 2.0 * m->radius_max)
         near = initial_reach * 2.0 * m->radius_max;

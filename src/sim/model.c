@@ -21,6 +21,7 @@
 #include "dm2/sim/shape.h"
 #include "dm2/sim/tables.h"
 
+static const double second_shell = 0.6; /* of a contact distance: sqrt(3) less a tenth, less one */
 static const double root3 = 0x1.bb67ae8584caap0, pi = 0x1.921fb54442d18p1;
 
 double model_element_mass(const struct material_config *m, double radius)
@@ -422,6 +423,18 @@ static void build_kinds(struct model *m)
     m->has_kinds = m->has_phases || c->n_reactions > 0;
 }
 
+/* Where elements interact by links and contact alone, lists reach so far beyond contact that the second neighbours of a
+ * lattice stay out of them though it be compressed by a tenth: pairs that cost little, and fewer rebuilds. */
+static struct margins margins_of(const struct model *m)
+{
+    double edge = m->grid.lx < m->grid.ly ? m->grid.lx : m->grid.ly, contact = 2.0 * m->radius_max, dr = m->config->delta_r;
+    struct margins of = {.close = dr, .wide = edge - (m->has_far && m->far_cutoff > contact ? m->far_cutoff : contact)};
+    double more = second_shell * contact < of.wide ? second_shell * contact : of.wide;
+    if (!m->has_far && more > dr)
+        of.close = more;
+    return of;
+}
+
 static void build_reaction(struct model *m)
 {
     const struct config *c = m->config;
@@ -519,6 +532,7 @@ enum dm2_status model_build_watched(const struct config *config, struct pulse pu
         model_free(m);
         return status;
     }
+    m->margins = margins_of(m);
     choose_scales(m);
     far_ranges(m);
     stable_time_step(m);
@@ -551,6 +565,11 @@ const struct config *model_config(const struct model *m)
 const struct grid *model_grid(const struct model *m)
 {
     return &m->grid;
+}
+
+struct margins model_margins(const struct model *m)
+{
+    return m->margins;
 }
 
 struct measure_scales model_scales(const struct model *m)

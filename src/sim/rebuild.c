@@ -3,15 +3,18 @@
  *
  * Two bounds of what a pair can have approached come out of a survey: twice the longest displacement, the better one
  * where motion has no direction, and the diagonal of the box of all displacements, the better one where bodies
- * move as wholes. After a survey the bound grows by 2 dmax again, so as it gets near dR surveys become frequent; one costs
+ * move as wholes. Where elements only touch, the displacements of each cell are compared with those of the cells around it
+ * as well. After a survey bounds grow by 2 dmax again, so as one gets near its margin surveys become frequent; one costs
  * about as much as integrating positions, a rebuild as much as a few steps.
+ *
+ * The mirrored elements in a survey are a step behind: those that it compares can have come nearer by dmax since.
  */
 #include "dm2/sim/rebuild.h"
 
 #include <math.h>
 
 static const double GROWTH = 1.1;       /* of dmax from one step to the next that the guess allows for */
-static const double ROUNDING = 1e-9;    /* share of dR left for the rounding of positions and of these sums */
+static const double ROUNDING = 1e-9;    /* share of a margin left for the rounding of positions and of these sums */
 
 struct spread spread_none(void)
 {
@@ -25,6 +28,7 @@ void spread_merge(struct spread *into, const struct spread *other)
         into->high[a] = other->high[a] > into->high[a] ? other->high[a] : into->high[a];
     }
     into->most = other->most > into->most ? other->most : into->most;
+    into->close = other->close > into->close ? other->close : into->close;
 }
 
 double spread_approach(const struct spread *s)
@@ -36,47 +40,61 @@ double spread_approach(const struct spread *s)
     return diagonal < twice ? diagonal : twice;
 }
 
-void rebuild_plan_start(struct rebuild_plan *plan, const struct config *config)
+double spread_between(const struct spread *a, const struct spread *b)
 {
-    *plan = (struct rebuild_plan){.delta_r = config->delta_r, .every = config->rebuild_every};
+    double apart[2], most = a->most + b->most;
+    for (int k = 0; k < 2; k++) {
+        double ab = a->high[k] - b->low[k], ba = b->high[k] - a->low[k];
+        apart[k] = ab > ba ? ab : ba;
+    }
+    if (apart[0] < 0.0 || apart[1] < 0.0)
+        return 0.0;
+    double diagonal = sqrt(apart[0] * apart[0] + apart[1] * apart[1]);
+    return diagonal < most ? diagonal : most;
+}
+
+void rebuild_plan_start(struct rebuild_plan *plan, const struct config *config, struct margins margins)
+{
+    *plan = (struct rebuild_plan){.margins = margins, .every = config->rebuild_every};
     if (config->search == SEARCH_CELLS)
         plan->every = 1;
 }
 
-static bool spent(const struct rebuild_plan *plan, double approach, int64_t steps)
+/* After so many more steps in which the bounds grow by so much altogether. */
+static bool spent_after(const struct rebuild_plan *plan, int64_t steps, double growth)
 {
-    return (plan->every > 0 && steps >= plan->every) || !(approach <= plan->delta_r * (1.0 - ROUNDING));
+    return (plan->every > 0 && plan->steps + steps >= plan->every) ||
+           !(plan->close + growth <= plan->margins.close * (1.0 - ROUNDING)) ||
+           !(plan->approach + growth <= plan->margins.wide * (1.0 - ROUNDING));
 }
 
 bool rebuild_plan_step(struct rebuild_plan *plan, double dmax, const struct spread *survey)
 {
     plan->last = dmax;
     plan->approach += 2.0 * dmax;
+    plan->close += 2.0 * dmax;
     if (survey != NULL) {
-        double approach = spread_approach(survey);
+        double approach = spread_approach(survey), close = survey->close + dmax;
         plan->approach = plan->approach <= approach ? plan->approach : approach;
+        plan->close = plan->close <= close ? plan->close : close;
     }
+    plan->close = plan->close <= plan->approach ? plan->close : plan->approach;
     plan->steps++;
-    return spent(plan, plan->approach, plan->steps);
+    return spent_after(plan, 0, 0.0);
 }
 
 void rebuild_plan_done(struct rebuild_plan *plan)
 {
-    plan->approach = 0;
+    plan->approach = plan->close = 0;
     plan->steps = 0;
-}
-
-static bool spent_after(const struct rebuild_plan *plan, int64_t steps)
-{
-    return spent(plan, plan->approach + 2.0 * GROWTH * plan->last * (double)steps, plan->steps + steps);
 }
 
 bool rebuild_plan_expected(const struct rebuild_plan *plan)
 {
-    return spent_after(plan, 1);
+    return spent_after(plan, 1, 2.0 * GROWTH * plan->last);
 }
 
 bool rebuild_plan_survey(const struct rebuild_plan *plan)
 {
-    return !spent_after(plan, 1) && spent(plan, plan->approach + 4.0 * GROWTH * plan->last, plan->steps);
+    return !rebuild_plan_expected(plan) && spent_after(plan, 0, 4.0 * GROWTH * plan->last);
 }

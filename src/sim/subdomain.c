@@ -75,7 +75,8 @@ struct subdomain {
     struct peer *peers;    /* [ranks] */
     struct idmap ids;      /* of mirrored elements and immigrants, for the memory of pairs */
     struct block from, moved, old_id; /* of settle */
-    struct block anchors;  /* positions of the owned elements at the last rebuild: 2 doubles each */
+    struct block anchors;  /* positions at the last rebuild: 2 doubles each; of mirrored elements where surveys_cells */
+    struct block spreads;  /* of a survey's cells, where the pair sums have no room for them */
     int32_t *cell_of;      /* global cell of each owned slot at the last sort_out; -1: emigrated */
     size_t cell_cap;
     size_t n_leaving;      /* emigrants of the last sort_out, still in their slots until take_in */
@@ -471,15 +472,22 @@ done:
     return status;
 }
 
+/* Where far pairs interact, cells are hardly longer than these reach, and a survey cell by cell says nothing more. */
+static bool surveys_cells(const struct subdomain *sd)
+{
+    return !sd->model->has_far;
+}
+
 /* Lists, and from where displacements count. */
 static enum dm2_status build_lists(struct subdomain *sd, bool initial, struct dm2_error *err)
 {
-    double *anchor = block_hold(&sd->anchors, sd->p.n_own, 2 * sizeof *anchor);
+    size_t n = surveys_cells(sd) ? sd->p.n : sd->p.n_own;
+    double *anchor = block_hold(&sd->anchors, n, 2 * sizeof *anchor);
     if (anchor == NULL)
         return no_memory(sd, err);
     beat(sd);
-    if (sd->p.n_own > 0)
-        memcpy(anchor, sd->p.r, sd->p.n_own * 2 * sizeof *anchor);
+    if (n > 0)
+        memcpy(anchor, sd->p.r, n * 2 * sizeof *anchor);
     return lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, initial, err);
 }
 
@@ -624,6 +632,7 @@ void subdomain_free(struct subdomain *sd)
     free(sd->moved.item);
     free(sd->old_id.item);
     free(sd->anchors.item);
+    free(sd->spreads.item);
     free(sd);
 }
 
@@ -646,7 +655,7 @@ size_t subdomain_bytes(const struct subdomain *sd)
 {
     size_t bytes = sizeof *sd + particles_bytes(&sd->p) + lists_bytes(&sd->lists) + cells_bytes(&sd->cells, &sd->map) +
                    sd->cell_cap * sizeof *sd->cell_of + sd->ids.slots * 8 + sd->from.cap + sd->moved.cap + sd->old_id.cap +
-                   sd->anchors.cap +
+                   sd->anchors.cap + sd->spreads.cap +
                    sd->strain.cap * STRAIN_SUMS * sizeof *sd->strain.sum + sd->reacted.cap * sizeof *sd->reacted.item;
     for (int r = 0; r < sd->map.ranks; r++)
         bytes += sd->peers[r].send.cap * sizeof(uint32_t) +
@@ -725,28 +734,74 @@ enum dm2_status subdomain_move(struct subdomain *sd, double *dmax, struct measur
     return status;
 }
 
-void subdomain_survey(struct subdomain *sd, struct spread *out)
+/* Displacements of slots first .. last-1, or of those that `slots` names there. */
+static struct spread survey_slots(const struct subdomain *sd, const uint32_t *slots, size_t first, size_t last)
 {
     const struct grid *g = &sd->model->grid;
-    const struct particles *p = &sd->p;
-    const double *anchor = sd->anchors.item;
-    double started = clock_now(), most2 = 0.0, period[2], half[2];
-    *out = spread_none();
+    const double *r = sd->p.r, *anchor = sd->anchors.item;
+    struct spread out = spread_none();
+    double most2 = 0.0, period[2], half[2];
     for (size_t a = 0; a < 2; a++) {
         period[a] = g->periodic[a] ? g->size[a] : 0.0;
         half[a] = g->periodic[a] ? 0.5 * g->size[a] : INFINITY;
     }
-    for (size_t i = 0; i < p->n_own; i++) {
+    for (size_t s = first; s < last; s++) {
+        size_t i = slots != NULL ? slots[s] : s;
         double d[2];
         for (size_t a = 0; a < 2; a++) {
-            d[a] = lists_wrap(p->r[2 * i + a] - anchor[2 * i + a], period[a], half[a]);
-            out->low[a] = d[a] < out->low[a] ? d[a] : out->low[a];
-            out->high[a] = d[a] > out->high[a] ? d[a] : out->high[a];
+            d[a] = lists_wrap(r[2 * i + a] - anchor[2 * i + a], period[a], half[a]);
+            out.low[a] = d[a] < out.low[a] ? d[a] : out.low[a];
+            out.high[a] = d[a] > out.high[a] ? d[a] : out.high[a];
         }
         double d2 = d[0] * d[0] + d[1] * d[1];
         most2 = d2 > most2 ? d2 : most2;
     }
-    out->most = sqrt(most2);
+    out.most = sqrt(most2);
+    return out;
+}
+
+/* Room for the spread of each cell: that of the pair sums, which mean nothing between a move and the next forces. NULL
+ * without memory. */
+static struct spread *room_for_spreads(struct subdomain *sd)
+{
+    size_t cells = (size_t)sd->cells.n_own + (size_t)sd->cells.n_mirrored;
+    return cells <= particles_sum_bytes(&sd->p) / sizeof(struct spread)
+               ? (struct spread *)(void *)sd->p.pair_sum
+               : block_hold(&sd->spreads, cells, sizeof(struct spread));
+}
+
+/* Cell by cell, and then what each has against those around it. */
+static struct spread survey_cells(const struct subdomain *sd, struct spread *of)
+{
+    const struct cells *c = &sd->cells;
+    struct spread out = spread_none();
+    for (int k = 0; k < c->n_own; k++) {
+        of[k] = survey_slots(sd, NULL, c->start[k], c->start[k + 1]);
+        spread_merge(&out, &of[k]);
+    }
+    for (int k = 0; k < c->n_mirrored; k++)
+        of[c->n_own + k] = survey_slots(sd, c->mirror_slot, c->mirror_start[k], c->mirror_start[k + 1]);
+    for (int k = 0; k < c->n_own; k++) {
+        double close = spread_approach(&of[k]);
+        out.close = close > out.close ? close : out.close;
+        for (uint32_t q = c->ring_start[k]; q < c->ring_start[k + 1]; q++) {
+            close = spread_between(&of[k], &of[c->ring[q]]);
+            out.close = close > out.close ? close : out.close;
+        }
+    }
+    return out;
+}
+
+void subdomain_survey(struct subdomain *sd, struct spread *out)
+{
+    double started = clock_now();
+    struct spread *of = surveys_cells(sd) ? room_for_spreads(sd) : NULL;
+    if (of != NULL) {
+        *out = survey_cells(sd, of);
+    } else {
+        *out = survey_slots(sd, NULL, 0, sd->p.n_own);
+        out->close = INFINITY;
+    }
     sd->times.integrate += clock_now() - started;
 }
 

@@ -38,8 +38,8 @@ done
 
 # An early or late rebuild changes nothing: a first step that outruns its margin (asked for again as a rebuild), a
 # rebuild every step, and every third one.
-expect_status 0 "$DM2_BIN/dm2-seq" "$decks/scatter.dm2" -q -o seq-narrow -D delta=0.004 --steps 40
-expect_status 0 "$DM2_BIN/dm2-client" "$decks/scatter.dm2" -q -n 4 -o narrow -D delta=0.004 --steps 40
+expect_status 0 "$DM2_BIN/dm2-seq" "$decks/scatter.dm2" -q -o seq-narrow -D reach=0.0421 -D delta=0.001 --steps 40
+expect_status 0 "$DM2_BIN/dm2-client" "$decks/scatter.dm2" -q -n 4 -o narrow -D reach=0.0421 -D delta=0.001 --steps 40
 same_run seq-narrow narrow
 expect_text narrow/run.log 'rebuilds: 40, of them 1 with a second round trip'
 for change in 'search = cells' 'rebuild_every = 3' 'search = lists'; do

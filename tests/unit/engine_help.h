@@ -53,7 +53,7 @@ static inline void engine_cut(struct engine *g, int ranks)
     engine_must(g, model_build(&g->deck.config, &g->model, &g->err));
     engine_must(g, decomposition_bisect(model_grid(g->model), ranks, NULL, &g->parts, &g->err));
     g->map = (struct domain_map){.grid = &g->parts.grid, .ranks = ranks, .owner = g->parts.owner};
-    rebuild_plan_start(&g->plan, &g->deck.config);
+    rebuild_plan_start(&g->plan, &g->deck.config, model_margins(g->model));
 }
 
 /* Loads the deck and cuts its grid; no subdomain yet. */

@@ -3,11 +3,13 @@
 
 #include "dm2/sim/rebuild.h"
 
+static const struct margins both = {.close = 1.0, .wide = 1.0};
+
 TEST(lists_last_while_twice_dumax_is_within_the_margin)
 {
-    struct config c = {.delta_r = 1.0};
+    struct config c = {0};
     struct rebuild_plan plan;
-    rebuild_plan_start(&plan, &c);
+    rebuild_plan_start(&plan, &c, both);
     CHECK(!rebuild_plan_step(&plan, 0.25, NULL));
     CHECK(!rebuild_plan_step(&plan, 0.249, NULL)); /* 2 * 0.499 < dR: still valid */
     CHECK(rebuild_plan_step(&plan, 0.002, NULL));
@@ -18,9 +20,9 @@ TEST(lists_last_while_twice_dumax_is_within_the_margin)
 
 TEST(every_k_steps_as_well)
 {
-    struct config c = {.delta_r = 1.0, .rebuild_every = 3};
+    struct config c = {.rebuild_every = 3};
     struct rebuild_plan plan;
-    rebuild_plan_start(&plan, &c);
+    rebuild_plan_start(&plan, &c, both);
     for (int k = 1; k <= 9; k++) {
         bool expected = rebuild_plan_expected(&plan);
         bool due = rebuild_plan_step(&plan, 0, NULL);
@@ -33,9 +35,9 @@ TEST(every_k_steps_as_well)
 
 TEST(cells_alone_rebuild_every_step)
 {
-    struct config c = {.delta_r = 1.0, .search = SEARCH_CELLS};
+    struct config c = {.search = SEARCH_CELLS};
     struct rebuild_plan plan;
-    rebuild_plan_start(&plan, &c);
+    rebuild_plan_start(&plan, &c, both);
     CHECK(rebuild_plan_expected(&plan));
     CHECK(rebuild_plan_step(&plan, 0, NULL));
     rebuild_plan_done(&plan);
@@ -44,9 +46,9 @@ TEST(cells_alone_rebuild_every_step)
 
 TEST(the_guess_looks_one_step_ahead)
 {
-    struct config c = {.delta_r = 1.0};
+    struct config c = {0};
     struct rebuild_plan plan;
-    rebuild_plan_start(&plan, &c);
+    rebuild_plan_start(&plan, &c, both);
     CHECK(!rebuild_plan_expected(&plan));  /* nothing moved yet */
     CHECK(!rebuild_plan_step(&plan, 0.19, NULL)); /* 2 * (0.19 + 0.285) < 1 */
     CHECK(!rebuild_plan_expected(&plan));
@@ -56,15 +58,15 @@ TEST(the_guess_looks_one_step_ahead)
 
 TEST(nonsense_rebuilds)
 {
-    struct config c = {.delta_r = 1.0};
+    struct config c = {0};
     struct rebuild_plan plan;
-    rebuild_plan_start(&plan, &c);
+    rebuild_plan_start(&plan, &c, both);
     CHECK(rebuild_plan_step(&plan, NAN, NULL));
 }
 
 static struct spread spread_of(double x0, double y0, double x1, double y1, double most)
 {
-    return (struct spread){.low = {x0, y0}, .high = {x1, y1}, .most = most};
+    return (struct spread){.low = {x0, y0}, .high = {x1, y1}, .most = most, .close = INFINITY};
 }
 
 TEST(a_pair_approaches_by_no_more_than_box_and_circle_allow)
@@ -83,10 +85,10 @@ TEST(a_pair_approaches_by_no_more_than_box_and_circle_allow)
 
 TEST(a_survey_lowers_the_bound_and_never_raises_it)
 {
-    struct config c = {.delta_r = 1.0};
+    struct config c = {0};
     struct spread whole = spread_of(0.3, 0, 0.35, 0, 0.35), wide = spread_of(-0.6, 0, 0.6, 0, 0.6);
     struct rebuild_plan plan;
-    rebuild_plan_start(&plan, &c);
+    rebuild_plan_start(&plan, &c, both);
     CHECK(!rebuild_plan_survey(&plan));
     CHECK(!rebuild_plan_step(&plan, 0.1, NULL)); /* 0.2 + 2 * 0.3 < 1 */
     CHECK(!rebuild_plan_survey(&plan));
@@ -101,6 +103,42 @@ TEST(a_survey_lowers_the_bound_and_never_raises_it)
     CHECK(rebuild_plan_expected(&plan) && !rebuild_plan_survey(&plan));
 }
 
-TEST_MAIN(CASE(a_pair_approaches_by_no_more_than_box_and_circle_allow), CASE(a_survey_lowers_the_bound_and_never_raises_it),
+TEST(cells_are_compared_by_their_boxes_and_circles)
+{
+    struct spread none = spread_none(), still = spread_of(0, 0, 0, 0, 0), left = spread_of(1, 0, 2, 0, 2),
+                  right = spread_of(-3, -4, -2, 0, 5), near = spread_of(-1, -1, 1, 1, 1.1);
+    CHECK_SAME_BITS(spread_between(&none, &none), 0.0);
+    CHECK_SAME_BITS(spread_between(&none, &left), 0.0);
+    CHECK_SAME_BITS(spread_between(&left, &none), 0.0);
+    CHECK_SAME_BITS(spread_between(&still, &left), 2.0);
+    CHECK_SAME_BITS(spread_between(&left, &right), sqrt(41.0));
+    CHECK_SAME_BITS(spread_between(&right, &left), sqrt(41.0));
+    CHECK_SAME_BITS(spread_between(&near, &still), 1.1); /* the circle, not the corner of the box */
+    CHECK_SAME_BITS(spread_between(&left, &left), 1.0);
+}
+
+TEST(those_of_touching_cells_and_any_two_have_margins_of_their_own)
+{
+    struct config c = {0};
+    struct spread wave = spread_of(0, 0, 2.5, 0, 2.5);
+    struct rebuild_plan plan;
+    rebuild_plan_start(&plan, &c, (struct margins){.close = 1.0, .wide = 3.0});
+    CHECK(!rebuild_plan_step(&plan, 0.4, NULL));
+    CHECK(rebuild_plan_step(&plan, 0.2, NULL)); /* 1.2: nothing says that those of touching cells moved alike */
+    wave.close = 0.3;
+    CHECK(!rebuild_plan_step(&plan, 0.4, &wave)); /* 0.3, and 0.4 for mirrored elements a step behind */
+    CHECK_NEAR(plan.close, 0.7, 1e-15);
+    CHECK_NEAR(plan.approach, 2.0, 1e-15);
+    wave.close = 2.0;
+    CHECK(!rebuild_plan_step(&plan, 0.1, &wave)); /* known to be at most 0.9 */
+    CHECK_NEAR(plan.close, 0.9, 1e-15);
+    wave.close = 0.0;
+    CHECK(!rebuild_plan_step(&plan, 0.5, &wave));
+    CHECK(plan.close <= plan.approach);
+    CHECK_NEAR(plan.approach, 2.5, 1e-15);
+}
+
+TEST_MAIN(CASE(cells_are_compared_by_their_boxes_and_circles),
+          CASE(those_of_touching_cells_and_any_two_have_margins_of_their_own), CASE(a_pair_approaches_by_no_more_than_box_and_circle_allow), CASE(a_survey_lowers_the_bound_and_never_raises_it),
           CASE(lists_last_while_twice_dumax_is_within_the_margin), CASE(every_k_steps_as_well),
           CASE(cells_alone_rebuild_every_step), CASE(the_guess_looks_one_step_ahead), CASE(nonsense_rebuilds))

@@ -352,7 +352,9 @@ static void ranks_agree(const char *deck, const struct shape_case *shape, double
         struct engine_state got = engine_collect(&many, false);
         engine_check_same(&got, &want, what);
         CHECK_REPORT(many.migrants >= (counts[c] < 5 ? 3 : 10), "%s: %zu elements migrated", what, many.migrants);
-        CHECK_EQ_INT(many.rebuilds, one.rebuilds);
+        /* mirrors are a step behind where they are surveyed, so a rebuild may come sooner, or later for that */
+        CHECK_REPORT(many.rebuilds + 2 >= one.rebuilds && many.rebuilds <= one.rebuilds + 2, "%s: %zu rebuilds, one rank: %zu", what,
+                     many.rebuilds, one.rebuilds);
         engine_state_free(&got);
         engine_stop(&many);
     }

@@ -197,7 +197,7 @@ TEST(a_step_message_round_trip)
                                .measured = true,
                                .hashed = true,
                                .surveyed = true,
-                               .spread = {.low = {-1.5, INFINITY}, .high = {2.5, -INFINITY}, .most = 3.5},
+                               .spread = {.low = {-1.5, INFINITY}, .high = {2.5, -INFINITY}, .most = 3.5, .close = INFINITY},
                                .measures = some_measures(),
                                .hash = 0xfeedU,
                                .n_segments = 0},
@@ -218,7 +218,7 @@ TEST(a_step_message_round_trip)
         message_get_step(&r, &in);
         CHECK(r.failed);
     }
-    const struct spread wrong[] = {{.low = {NAN, 0}}, {.high = {0, NAN}}, {.low = {1, 0}}, {.most = -1}};
+    const struct spread wrong[] = {{.low = {NAN, 0}}, {.high = {0, NAN}}, {.low = {1, 0}}, {.most = -1}, {.close = -1}, {.close = NAN}};
     for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; k++) {
         bytes_clear(&w);
         out.spread = wrong[k];

@@ -19,7 +19,7 @@
 #include "dm2/sim/measures.h"
 #include "dm2/sim/rebuild.h"
 
-enum { PROTOCOL_VERSION = 9 };
+enum { PROTOCOL_VERSION = 10 };
 
 enum { DEFAULT_PORT = 4702 }; /* of a server; the one place where it is written */
 

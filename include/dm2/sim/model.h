@@ -12,6 +12,7 @@
 #include "dm2/sim/grid.h"
 #include "dm2/sim/measures.h"
 #include "dm2/sim/pulse.h"
+#include "dm2/sim/rebuild.h"
 
 struct model; /* completed in dm2/sim/tables.h for the engine; the accessors below are what other layers need */
 
@@ -35,6 +36,8 @@ void model_free(struct model *model);
 
 const struct config *model_config(const struct model *model);
 const struct grid *model_grid(const struct model *model);
+/* What rebuild_plan_start needs. */
+struct margins model_margins(const struct model *model);
 struct measure_scales model_scales(const struct model *model);
 size_t model_elements(const struct model *model);   /* elements that the generator makes */
 double model_stable_dt(const struct model *model, const char **which); /* us; *which names the limiting mode */

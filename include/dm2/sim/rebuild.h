@@ -1,11 +1,13 @@
 /* When lists, mirrors and owners are renewed (paper, section 4): the bookkeeping of dmax, and surveys.
  *
- * Lists hold every pair closer than R_c + dR at the time they were built, so they are valid while no two elements can
- * have approached by more than dR. What counts is relative: a body that moves as a whole uses nothing up. The plan keeps
- * an upper bound of the approach. It grows by twice the greatest displacement dmax in every step, which costs nothing to
- * know; when it would soon be spent, the elements' displacements since the last rebuild are surveyed, and the bound
- * falls to what they say. The sequential program and the client of a distributed run decide with this one piece of
- * code; no result depends on when rebuilds happen. */
+ * Lists hold every pair that was within a margin of interacting when they were built: dR, or more where elements only link
+ * and touch. They are valid while no two elements of one cell, or of two cells that touch, have approached by more than
+ * that, and no two others by more than a cell's edge exceeds the reach of interaction, which is several dR where that is contact.
+ * What counts is relative: a body that moves as a whole uses nothing up, and one that is evenly strained no more
+ * than its strain across two cells. The plan keeps upper bounds of both. They grow by twice the greatest displacement
+ * dmax in every step, which costs nothing to know; when one would soon be spent, the elements' displacements since the
+ * last rebuild are surveyed, and the bounds fall to what they say. The sequential program and the client of a
+ * distributed run decide with this one piece of code; no result depends on when rebuilds happen. */
 #ifndef DM2_SIM_REBUILD_H
 #define DM2_SIM_REBUILD_H
 
@@ -19,6 +21,8 @@
 struct spread {
     double low[2], high[2]; /* the least and greatest in x and y; of no element: infinite, low > high */
     double most;            /* the longest */
+    double close;           /* by how much two of them that stood in one cell or in two that touch can have approached at
+                             * most; infinite where that was not looked at */
 };
 
 struct spread spread_none(void);
@@ -27,16 +31,26 @@ void spread_merge(struct spread *into, const struct spread *other);
 /* By how much two of the elements can have approached at most, cm. */
 double spread_approach(const struct spread *s);
 
+/* By how much two elements of touching cells can have approached, given the displacements in each cell, cm. */
+double spread_between(const struct spread *a, const struct spread *b);
+
+/* By how much two elements that are not in the lists may approach before they can interact, cm; both at least dR. */
+struct margins {
+    double close; /* if they stood in one cell or in two that touch: the reach of the lists beyond that of interaction */
+    double wide;  /* any two others: how much longer than the reach of interaction a cell's edge is */
+};
+
 struct rebuild_plan {
-    double delta_r;  /* dR, cm */
+    struct margins margins;
     int64_t every;   /* also every so many steps; 0: never for that reason */
-    double approach; /* upper bound of what two elements have approached since the last rebuild, cm */
+    double close;    /* upper bound of what two elements of touching cells have approached since the last rebuild, cm */
+    double approach; /* the same for any two */
     double last;     /* dmax of the last step, cm */
     int64_t steps;   /* steps since the last rebuild */
 };
 
-/* At the start of a run, when the lists are fresh. Search by cells alone rebuilds at every step. */
-void rebuild_plan_start(struct rebuild_plan *plan, const struct config *config);
+/* At the start of a run, when the lists are fresh; margins: model_margins. Search by cells alone rebuilds at every step. */
+void rebuild_plan_start(struct rebuild_plan *plan, const struct config *config, struct margins margins);
 
 /* After a step whose global dmax is `dmax`, with the spread of all elements where it was surveyed, else NULL: true where
  * the lists must be rebuilt before the next forces. */

@@ -71,6 +71,7 @@ struct model {
     double far_place;      /* x and y of the slot that fills lists up: beyond all reach, and near enough that forces there
                               are no denormal numbers, which are slow, cm */
     double radius_max;     /* largest radius of an element, cm */
+    struct margins margins;
     double dt_stable;
     const char *dt_mode;   /* what limits it */
     size_t dt_kinds[2];    /* of which pair */
