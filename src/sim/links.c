@@ -1,5 +1,6 @@
 /* Sorting near pairs by their law: count, lay out, fill. Rows keep their order within a law, so neighbours in the list are
- * neighbours in space. */
+ * neighbours in space; and laws follow each other chunk by chunk, so that elements are still in the cache when the next law
+ * needs them. */
 #include "dm2/sim/links.h"
 
 #include <stdlib.h>
@@ -31,17 +32,18 @@ static int grow(void *block, size_t *cap, size_t need, size_t size)
     return status;
 }
 
-/* Room for what the counted pairs need: `counted` holds for each law the number of its links. */
-static int lay_out(struct link_list *links, size_t n_laws, size_t pairs)
+enum { CHUNK = 2048 }; /* rows: some 300 KB of their state and sums, and those of their neighbours */
+
+/* Room for what the counted pairs need: n of each group is the number of its links. */
+static int lay_out(struct link_list *links, size_t pairs)
 {
     size_t quads = 0;
-    for (size_t a = 0; a < n_laws; a++) {
+    for (size_t a = 0; a < links->n_groups; a++) {
         struct link_group *g = &links->group[a];
         g->n /= SIMD_LANES;
         g->first = quads;
         quads += g->n;
     }
-    links->n_groups = n_laws;
     return grow(&links->quad, &links->quad_cap, quads, sizeof *links->quad) != 0 ||
                    grow(&links->single, &links->single_cap, pairs - SIMD_LANES * quads, sizeof *links->single) != 0
                ? -1
@@ -54,32 +56,37 @@ static int sort_pairs(struct lists *l, enum list_part part, const struct model *
     size_t n_laws = m->n_kinds * m->n_kinds * RELATION_COUNT;
     uint32_t first, last;
     lists_rows(l, p, part, &first, &last);
-    if (grow(&links->group, &links->group_cap, n_laws, sizeof *links->group) != 0)
+    links->n_groups = n_laws * (((size_t)last - first + CHUNK - 1) / CHUNK);
+    if (grow(&links->group, &links->group_cap, links->n_groups, sizeof *links->group) != 0)
         return -1;
-    for (size_t a = 0; a < n_laws; a++)
-        links->group[a] = (struct link_group){.law = &m->laws[a]};
+    for (size_t a = 0; a < links->n_groups; a++)
+        links->group[a] = (struct link_group){.law = &m->laws[a % n_laws]};
     for (uint32_t i = first; i < last; i++) {
+        struct link_group *group = &links->group[(i - first) / CHUNK * n_laws];
         for (uint32_t k = l->near.start[i]; k < l->near.start[i + 1]; k++) {
             const struct pair_law *law = quad_law(l, m, p, i, k);
             if (law != NULL)
-                links->group[law - m->laws].n++;
+                group[law - m->laws].n++;
         }
     }
     size_t *placed = mem_zalloc(n_laws, sizeof *placed);
-    if (placed == NULL || lay_out(links, n_laws, l->near.start[last] - l->near.start[first]) != 0) {
+    if (placed == NULL || lay_out(links, l->near.start[last] - l->near.start[first]) != 0) {
         free(placed);
         return -1;
     }
     links->n_single = 0;
     for (uint32_t i = first; i < last; i++) {
+        const struct link_group *group = &links->group[(i - first) / CHUNK * n_laws];
+        if ((i - first) % CHUNK == 0)
+            memset(placed, 0, n_laws * sizeof *placed);
         for (uint32_t k = l->near.start[i]; k < l->near.start[i + 1]; k++) {
             const struct pair_law *law = quad_law(l, m, p, i, k);
             size_t a = law != NULL ? (size_t)(law - m->laws) : 0;
-            if (law == NULL || placed[a] == SIMD_LANES * links->group[a].n) {
+            if (law == NULL || placed[a] == SIMD_LANES * group[a].n) {
                 links->single[links->n_single++] = (struct single_pair){i, k};
                 continue;
             }
-            struct link_quad *q = &links->quad[links->group[a].first + placed[a] / SIMD_LANES];
+            struct link_quad *q = &links->quad[group[a].first + placed[a] / SIMD_LANES];
             size_t lane = placed[a]++ % SIMD_LANES;
             q->i[lane] = i;
             q->j[lane] = l->near.j[k];

@@ -2,7 +2,7 @@
  *
  * Most near pairs of a solid are links whose law has all its constants worked out. They stand here in quads of one law, so
  * that the loop over them gathers nothing but the state of the elements; whatever is left, unlinked pairs, other laws,
- * and up to three links of each law, is taken one by one. The list says where a pair is looked at, not what happens to it:
+ * and up to three links of each law and chunk of rows, is taken one by one. The list says where a pair is looked at, not what happens to it:
  * a link that has broken since is found by its memory in the near list. */
 #ifndef DM2_SIM_LINKS_H
 #define DM2_SIM_LINKS_H
@@ -36,7 +36,7 @@ struct single_pair {
 
 struct link_list {
     struct link_quad *quad;
-    struct link_group *group; /* [laws of the model] */
+    struct link_group *group; /* [chunks of rows][laws of the model] */
     struct single_pair *single;
     uint16_t *kind; /* [n] of each slot when the pairs were sorted; kept where elements may change their kind */
     size_t quad_cap, n_groups, group_cap, n_single, single_cap, kind_cap;
