@@ -1,7 +1,7 @@
 /* Links four at a time: pair_interact of law.h in the lanes of a vector, for what most pairs of a solid do at most
  * steps: a Morse bond that neither breaks nor yields in tension, with damping, shear spring and plastic slip, viscosity,
  * conduction. Every lane does the operations of the plain path in the same order, so the bits do not tell which ran;
- * where one of four needs more (it breaks, yields, closes a void, leaves the range), all four take the plain path.
+ * one that needs more (it breaks, yields, closes a void, leaves the range) takes the plain path.
  *
  * A pair's chain of operations is some hundreds of cycles long, and a processor looks ahead no further than about one
  * quad. So a block of quads goes through three short stages, one after the other: in each, the next quad does not wait for
@@ -77,10 +77,15 @@ DM2_INLINE void exp_lanes(const simd_real *in, simd_real *out)
     *out = ((low + z4 * mid) + (z4 * z4) * (high + z4 * pcd)) * (simd_real)scale;
 }
 
-/* Is any lane set? */
+/* Is any lane set? All? */
 DM2_INLINE bool any(const simd_int *mask)
 {
     return ((*mask)[0] | (*mask)[1] | (*mask)[2] | (*mask)[3]) != 0;
+}
+
+DM2_INLINE bool all(const simd_int *mask)
+{
+    return ((*mask)[0] & (*mask)[1] & (*mask)[2] & (*mask)[3]) != 0;
 }
 
 /* Component 0 and 1 of an array of two-vectors: what i has over j, in lanes. */
@@ -134,9 +139,10 @@ struct tally {
     simd_int virial[VIRIAL_COUNT], around[AROUND_COUNT], potential, elastic;
 };
 
-/* The same numbers as near_measure in force.c, of fn, ft and the energy of the springs. False where one leaves the range. */
-DM2_INLINE bool measure_lanes(const struct pass *pass, const struct bond *bond, const struct lanes *at,
-                              const simd_real of[3], struct tally *out)
+/* The same numbers as near_measure in force.c, of fn, ft and the energy of the springs. Lanes where one leaves the range are added
+ * to *left. */
+DM2_INLINE void measure_lanes(const struct pass *pass, const struct bond *bond, const struct lanes *at,
+                              const simd_real of[3], struct tally *out, simd_int *left)
 {
     const simd_real fn = of[0], ft = of[1];
     const struct fixed_scales *scale = &pass->m->fixed;
@@ -148,9 +154,7 @@ DM2_INLINE bool measure_lanes(const struct pass *pass, const struct bond *bond, 
     simd_real potential = bond->energy * ((1.0 - at->e) * (1.0 - at->e)) * scale->energy;
     simd_real elastic = of[2] * scale->energy;
     simd_real largest = MAGNITUDE(xx) + MAGNITUDE(yy) + MAGNITUDE(xy) + MAGNITUDE(potential) + MAGNITUDE(elastic);
-    simd_int more = ~(largest < 0x1p50);
-    if (any(&more))
-        return false;
+    *left |= ~(largest < 0x1p50);
     out->virial[VIRIAL_XX] = FIXED(xx);
     out->virial[VIRIAL_YY] = FIXED(yy);
     out->virial[VIRIAL_XY] = FIXED(xy);
@@ -160,17 +164,18 @@ DM2_INLINE bool measure_lanes(const struct pass *pass, const struct bond *bond, 
     out->virial[VIRIAL_TALLY] = one * TALLY_PAIR + link + (one * TALLY_CONTACT & (at->r <= bond->r0));
     out->potential = FIXED(potential);
     out->elastic = FIXED(elastic);
-    return true;
 }
 
-/* Adds it to both elements of each pair, and the energies of those that count here. */
-DM2_INLINE void add_tally(struct pass *pass, const struct link_quad *q, const struct tally *t)
+/* Adds it to both elements of each pair but those left, and the energies of those that count here. */
+DM2_INLINE void add_tally(struct pass *pass, const struct link_quad *q, const struct tally *t, const simd_int *left)
 {
     struct particles *p = pass->p;
     simd_int *sums = (simd_int *)(void *)p->virial, virial[4];
     int64_t potential = 0, elastic = 0;
     transpose(t->virial, virial);
     for (int c = 0; c < SIMD_LANES; c++) {
+        if ((*left)[c])
+            continue;
         int64_t *i = p->around + AROUND_COUNT * (size_t)q->i[c], *j = p->around + AROUND_COUNT * (size_t)q->j[c];
         sums[q->i[c]] += virial[c];
         sums[q->j[c]] += virial[c];
@@ -189,10 +194,15 @@ DM2_INLINE void add_tally(struct pass *pass, const struct link_quad *q, const st
     exact_add_units(&pass->elastic, elastic, pass->m->fixed.energy_left);
 }
 
-/* Stage 3: everything else, and the sums. True when all four pairs were evaluated; false, and nothing changed, when the
- * plain path must. */
-DM2_INLINE bool interact(struct pass *pass, struct lists *l, const struct pair_law *law, const struct link_quad *q,
-                         const struct lanes *at, bool spin, bool measure)
+static inline bool all_linked(const struct lists *l, const struct link_quad *q)
+{
+    return l->linked[q->k[0]] & l->linked[q->k[1]] & l->linked[q->k[2]] & l->linked[q->k[3]];
+}
+
+/* Stage 3: everything else, and the sums. *left are the lanes whose pairs must take the plain path: nothing was added or
+ * changed for them. */
+DM2_INLINE void interact(struct pass *pass, struct lists *l, const struct pair_law *law, const struct link_quad *q,
+                         const struct lanes *at, bool spin, bool measure, simd_int *left)
 {
     const struct fixed_scales *scale = &pass->m->fixed;
     const struct particles *p = pass->p;
@@ -212,6 +222,10 @@ DM2_INLINE bool interact(struct pass *pass, struct lists *l, const struct pair_l
     simd_real power = law->shape - bond->alpha * at->x;
     simd_int more = (at->r > bond->breaks) | (f < -cap) | (at->x > bond->peak) | ((stretch > 0.0) & (f > cap)) |
                     ~((MAGNITUDE(power) < 700.0) & (at->r > 0.0));
+    if (!all_linked(l, q)) {
+        for (int c = 0; c < SIMD_LANES; c++)
+            more[c] |= l->linked[q->k[c]] ? 0 : -1;
+    }
 
     simd_real cn = zero + law->cn_mass, ct = zero + law->ct_mass;
     if (law->a_p != 0.0 || law->a_t != 0.0) {
@@ -220,9 +234,10 @@ DM2_INLINE bool interact(struct pass *pass, struct lists *l, const struct pair_l
         cn = cn * SIMD_CHOOSE(change > 0.0, change, zero);
     }
     simd_real fdn = -cn * at->vn, fn = f + fdn;
-    simd_real ft = zero, fdt = zero, arm_i = zero, arm_j = zero, freed = zero, damped = zero, spring = zero;
+    simd_real ft = zero, fdt = zero, arm_i = zero, arm_j = zero, freed = zero, damped = zero, before = zero, spring = zero;
     if (tangential) {
-        simd_real share = at->r * bond->over_r0, before = OF_K(l->spring);
+        simd_real share = at->r * bond->over_r0;
+        before = OF_K(l->spring);
         arm_i = share * law->radius_i;
         arm_j = share * law->radius_j;
         simd_real vt = at->vt - (OF_I(p->w) * arm_i + OF_J(p->w) * arm_j);
@@ -248,15 +263,17 @@ DM2_INLINE bool interact(struct pass *pass, struct lists *l, const struct pair_l
     simd_real largest = (MAGNITUDE(fn) + MAGNITUDE(fdn)) + (MAGNITUDE(ft) + MAGNITUDE(fdt));
     simd_real heat = MAGNITUDE(freed) + MAGNITUDE(damped) + MAGNITUDE(gained);
     more |= ~((largest * scale->force < 0x1p50) & (heat * scale->heat < 0x1p50));
-    if (any(&more))
-        return false;
+    struct tally tally;
     if (measure) {
-        struct tally tally;
         const simd_real of[3] = {fn, ft, 0.5 * law->kt_link * (spring * spring)};
-        if (!measure_lanes(pass, bond, at, of, &tally))
-            return false;
-        add_tally(pass, q, &tally);
+        measure_lanes(pass, bond, at, of, &tally, &more);
     }
+    *left = more;
+    const bool some = any(&more);
+    if (some && all(&more))
+        return;
+    if (measure)
+        add_tally(pass, q, &tally, &more);
 
     simd_real sx = at->nx * scale->force, sy = at->ny * scale->force;
     simd_int force[4] = {FIXED(fn * sx - ft * sy), FIXED(fn * sy + ft * sx), FIXED(fdn * sx - fdt * sy),
@@ -266,15 +283,17 @@ DM2_INLINE bool interact(struct pass *pass, struct lists *l, const struct pair_l
     simd_real tt = ft * scale->torque, tdt = fdt * scale->torque;
     simd_int other_i[4] = {-FIXED(arm_i * tt), -FIXED(arm_i * tdt), qfreed, qdamped + qgained};
     simd_int other_j[4] = {-FIXED(arm_j * tt), -FIXED(arm_j * tdt), qfreed, qdamped - qgained};
+    if (some) {
+        for (int c = 0; c < 4; c++) {
+            force[c] &= ~more;
+            other_i[c] &= ~more;
+            other_j[c] &= ~more;
+        }
+        spring = SIMD_CHOOSE(more, before, spring);
+    }
     scatter(q, p->pair_sum, force, other_i, other_j);
     for (int c = 0; tangential && c < SIMD_LANES; c++)
         l->spring[q->k[c]] = spring[c];
-    return true;
-}
-
-static inline bool all_linked(const struct lists *l, const struct link_quad *q)
-{
-    return l->linked[q->k[0]] & l->linked[q->k[1]] & l->linked[q->k[2]] & l->linked[q->k[3]];
 }
 
 DM2_INLINE void wide_groups(struct pass *pass, struct lists *l, bool spin, bool periodic, bool measure,
@@ -292,10 +311,14 @@ DM2_INLINE void wide_groups(struct pass *pass, struct lists *l, bool spin, bool 
             for (size_t b = 0; b < n; b++)
                 central(group->law, l, &q[b], &at[b]);
             for (size_t b = 0; b < n; b++) {
-                if (all_linked(l, &q[b]) && interact(pass, l, group->law, &q[b], &at[b], spin, measure))
+                simd_int left;
+                interact(pass, l, group->law, &q[b], &at[b], spin, measure, &left);
+                if (!any(&left))
                     continue;
-                for (int c = 0; c < SIMD_LANES; c++)
-                    single(pass, l, q[b].i[c], q[b].k[c]);
+                for (int c = 0; c < SIMD_LANES; c++) {
+                    if (left[c])
+                        single(pass, l, q[b].i[c], q[b].k[c]);
+                }
             }
         }
     }
