@@ -2,10 +2,11 @@
 # The paper's timing study on an emulated cluster: real runs through a link of 10 and of 100 Mbit/s (scripts/emulated-cluster),
 # and what their steps would take on slower processors, as docs/figures/emulated.csv:
 #
-#     sh scripts/emulated-study.sh          some ten minutes, most of them the link's; as root
+#     sh scripts/emulated-study.sh          some fifteen minutes, most of them the link's; as root
 #
-# SIZES (1689,10000,50000,100000), LARGEST (200000), RUNS (3; of LARGEST one), STEPS (12) and TURNS of messages (6) in the
-# environment change the sweep.
+# SIZES (1689,10000,50000,100000,200000), RUNS (5), STEPS (100 below 20,000 elements, 30 below 80,000, else 12) and TURNS of messages
+# (6) in the environment change the sweep. Sizes and numbers of servers take turns, and all of them have had one before the next run
+# of each: what the machine does besides meets all alike.
 #
 # Measured through the link: link_step, the time of a step, and the processor seconds in which the busiest server computes
 # (forces, integration, rebuilds; not what its messages cost the system). Processors here are so much faster than an Ultra-10
@@ -25,8 +26,8 @@ set -eu
 bin=${DM2_BIN:-bin}
 to=docs/figures
 work=$PWD/build/figures/emulated
-sizes=${SIZES:-1689,10000,50000,100000} largest=${LARGEST-200000}
-runs=${RUNS:-3} steps=${STEPS:-12}
+sizes=${SIZES:-1689,10000,50000,100000,200000}
+runs=${RUNS:-5} steps=${STEPS:-}
 counts=2,4,8
 model=$bin/dm2-model
 mkdir -p "$to" "$work"
@@ -39,17 +40,20 @@ through()
     mkdir -p "$work/$network"
     status=0
     sh "${0%/*}/emulated-cluster" "$network" 8 sh -e -c '
-        model=$1 to=$2 counts=$3 sizes=$4 largest=$5 runs=$6 steps=$7
-        "$model" calibrate --hosts "$HOSTS" --key "$KEY" -n "$counts" --n 10000 --runs 1 --turns "$8" \
+        model=$1 to=$2 counts=$3 sizes=$4 runs=$5 steps=$6
+        "$model" calibrate --hosts "$HOSTS" --key "$KEY" -n "$counts" --n 10000 --runs 1 --turns "$7" \
             -f "$to/link.csv" -o "$to/calibrate"
-        swept() # SIZES RUNS FILE
-        {
-            "$model" compare --calibration "$to/link.csv" --hosts "$HOSTS" --key "$KEY" -n "$counts" --n "$1" --runs "$2" \
-                --steps "$steps" -o "$to/runs" --csv >"$to/$3"
-        }
-        swept "$sizes" "$runs" sizes.csv
-        [ -z "$largest" ] || swept "$largest" 1 largest.csv' study \
-        "$model" "$work/$network" "$counts" "$sizes" "$largest" "$runs" "$steps" "${TURNS:-6}" >"$work/$network/said" || status=$?
+        run=0
+        while [ "$((run += 1))" -le "$runs" ]; do
+            for n in $(echo "$sizes" | tr , " "); do
+                enough=100
+                [ "$n" -lt 20000 ] || enough=30
+                [ "$n" -lt 80000 ] || enough=12
+                "$model" compare --calibration "$to/link.csv" --hosts "$HOSTS" --key "$KEY" -n "$counts" --n "$n" --runs 1 \
+                    --steps "${steps:-$enough}" -o "$to/runs/$run" --csv >>"$to/sizes.csv"
+            done
+        done' study \
+        "$model" "$work/$network" "$counts" "$sizes" "$runs" "$steps" "${TURNS:-6}" >"$work/$network/said" || status=$?
     [ "$status" -eq 0 ] || { cat "$work/$network/said"; exit "$status"; }
 }
 
@@ -67,12 +71,16 @@ computing()
 # the least: what other programs do to caches only ever adds.
 cases()
 {
-    cat "$work/$1/sizes.csv" "$work/$1/largest.csv" 2>/dev/null |
-        awk -F , -v OFS=, '/^program/ { next } { print $2, $1 == "dm2-seq" ? 0 : $3, $4, $5, $6 }' |
+    awk -F , -v OFS=, '/^program/ { next }
+        { case_of = $2 OFS ($1 == "dm2-seq" ? 0 : $3)
+          if (!(case_of in times)) order[++cases] = case_of
+          times[case_of]++; step[case_of] += $5; said[case_of] = $6 }
+        END { for (i = 1; i <= cases; i++) print order[i], times[order[i]], step[order[i]] / times[order[i]], said[order[i]] }' \
+        "$work/$1/sizes.csv" |
         while IFS=, read -r n count times step predicted; do
             kind=servers$count
             [ "$count" -ne 0 ] || kind=seq
-            for run in "$work/$1"/runs/n*-"$kind"-*; do
+            for run in "$work/$1"/runs/*/n*-"$kind"-*; do
                 ! grep -q "^elements: $n\$" "$run/run.log" || computing "$run"
             done | sort -g | sed -n "1s/^/$n,$count,$times,$step,$predicted,/p"
         done
