@@ -3,8 +3,9 @@
 # docs/timing-study.md, from the CSV files there:
 #
 #     scripts/figures.sh            draws
-#     scripts/figures.sh measure    measures all CSV files of this machine anew (some twenty minutes on two idle processors, most of
+#     scripts/figures.sh measure    measures all CSV files of this machine anew (half an hour on two idle processors, most of
 #                                   them the emulated cluster's, which takes root), then draws
+#     scripts/figures.sh sweep      all of them but the emulated cluster's (four minutes), then draws
 #     scripts/figures.sh accuracy   measures the model's error for two local servers alone (a minute), then draws
 #
 # SIZES, RUNS and STEPS in the environment shorten the measuring. *-paper.svg are computed from the paper's constants,
@@ -43,7 +44,8 @@ measure_accuracy()
     mv "$work/accuracy.csv" "$to"
 }
 
-measure()
+# All that is measured here itself.
+measure_sweep()
 {
     measure_accuracy
     note_conditions sweep
@@ -52,6 +54,11 @@ measure()
         -o "$work/runs" --csv >"$work/compare.csv"
     mv "$work/netbench.csv" "$work/compare.csv" "$to"
     measure_search
+}
+
+measure()
+{
+    measure_sweep
     note_conditions emulated
     status=0
     (unset STEPS; sh "${0%/*}/emulated-study.sh") || status=$?
@@ -253,7 +260,7 @@ tables()
                   print n, sprintf("%.2e", value[1, "m", n]), sprintf("%.3f", 1e3 * value[1, "b", n]), sprintf("%.2e", value[2, "m", n]),
                       sprintf("%.2e", value[3, "m", n]), m[n], b[n] }' \
         "$to/calibration.csv" "$to/link-10baset.csv" "$to/link-fast.csv" | markdown | insert network
-    awk -F , -v OFS=, 'BEGIN { print "elements", "k alone [s]", "k of a server, one on each processor [s]" } $1 == "size" { n = $3 }
+    awk -F , -v OFS=, 'BEGIN { print "elements", "k alone [s]", "k of a server (one on each processor) [s]" } $1 == "size" { n = $3 }
         $1 == "k_alone" { alone = $3 } $1 == "k_shared" { print n, sprintf("%.3e", alone), sprintf("%.3e", $3) }' \
         "$to/calibration.csv" | markdown | insert k
     awk -F , -v OFS=, 'BEGIN { print "program", "elements", "servers", "runs", "measured [ms]", "predicted [ms]", "error [%]" }
@@ -284,8 +291,9 @@ mkdir -p "$work"
 case ${1:-} in
 '') ;;
 measure) measure ;;
+sweep) measure_sweep ;;
 accuracy) measure_accuracy ;;
-*) echo 'usage: scripts/figures.sh [measure | accuracy]' >&2; exit 2 ;;
+*) echo 'usage: scripts/figures.sh [measure | sweep | accuracy]' >&2; exit 2 ;;
 esac
 draw_pictures
 draw_paper
