@@ -18,7 +18,7 @@ to=docs/figures
 plot=$bin/dm2-plot
 model=$bin/dm2-model
 sizes=${SIZES:-1689,10000,50000,100000,200000}
-runs=${RUNS:-3} steps=${STEPS:-40}
+runs=${RUNS:-5} steps=${STEPS:-100}
 study=docs/timing-study.md
 work=build/figures
 mkdir -p "$to" "$work"
@@ -144,7 +144,7 @@ draw_here()
     chart fig-03-here 'Fig. 3, measured here; the line fitted' bytes 'seconds per cycle' "$work/fig.csv" --x bytes --markers \
         --y seconds-2,seconds-4,seconds-8 --dashed fit-2,fit-4,fit-8
     pivot n search seconds <"$to/search.csv" >"$work/fig.csv"
-    chart fig-04-here 'Fig. 4, measured here' elements 'seconds per step' "$work/fig.csv" --x n --markers \
+    chart fig-04-here 'Fig. 4, measured here' elements 'seconds per step' "$work/fig.csv" --x n --markers --log-x --log-y \
         --y "$(sed -n '1s/^n,//p' "$work/fig.csv")"
     awk -F , -v OFS=, 'NR > 1 && $1 == "dm2-seq" { $3 = "seq" } { print }' "$to/compare.csv" |
         pivot n servers 'measured predicted speedup speedup_predicted efficiency efficiency_predicted speedup_critical' \
