@@ -2,7 +2,7 @@
 # The paper's timing study on an emulated cluster: real runs through a link of 10 and of 100 Mbit/s (scripts/emulated-cluster),
 # and what their steps would take on slower processors, as docs/figures/emulated.csv:
 #
-#     sh scripts/emulated-study.sh          some fifteen minutes, most of them the link's; as root
+#     sh scripts/emulated-study.sh          some twenty-five minutes, most of them the link's; as root
 #
 # SIZES (1689,10000,50000,100000,200000), RUNS (5), STEPS (100 below 20,000 elements, 30 below 80,000, else 12) and TURNS of messages
 # (6) in the environment change the sweep. Sizes and numbers of servers take turns, and all of them have had one before the next run

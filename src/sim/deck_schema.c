@@ -51,7 +51,7 @@ static const struct deck_key domain_keys[] = {
     {"r_c", VALUE_REAL, 1, LENGTH, POSITIVE, .required = true, .offset = offsetof(struct config, r_c),
      .meaning = "R_c, the distance up to which elements can interact"},
     {"delta_r", VALUE_REAL, 1, LENGTH, POSITIVE, .required = true, .offset = offsetof(struct config, delta_r),
-     .meaning = "dR, the margin of the neighbour lists: they reach R_c + dR"},
+     .meaning = "dR, the least margin of the neighbour lists beyond interaction"},
     {"search", VALUE_CHOICE, 1, PLAIN, ANY, .choices = "cells+lists|lists|cells", .initial = "cells+lists",
      .offset = offsetof(struct config, search),
      .meaning = "how pairs are found; the results are the same, bit for bit"},

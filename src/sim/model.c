@@ -386,12 +386,43 @@ static enum dm2_status check_reach(const struct model *m, struct dm2_error *err)
     return DM2_OK;
 }
 
+/* How much smaller and larger than the material itself its elements become in its phases. */
+static void sizes_of(const struct model *m, int material, double *least, double *most)
+{
+    *least = *most = 1.0;
+    for (size_t i = 0; i < m->n_kinds; i++) {
+        double size = m->kinds[i].material == material ? m->kinds[i].size : 1.0;
+        *least = size < *least ? size : *least;
+        *most = size > *most ? size : *most;
+    }
+}
+
+/* The largest radius of any element at any time, and by what factor one may grow. Who becomes the product of a reaction
+ * brings the size it had along, and the phases of the product change that. */
+static void bound_sizes(struct model *m)
+{
+    const struct reaction_config *r = m->config->n_reactions > 0 ? &m->config->reactions[0] : NULL;
+    double largest = 1.0, least, most, product_least = 1.0, product_most = 1.0;
+    m->growth = 1.0;
+    if (r != NULL)
+        sizes_of(m, r->product, &product_least, &product_most);
+    for (int i = 0; i < (int)m->config->n_materials; i++) {
+        sizes_of(m, i, &least, &most);
+        if (r != NULL && (i == r->reactant[0] || i == r->reactant[1])) {
+            least *= product_least;
+            most *= product_most;
+        }
+        m->growth = most / least > m->growth ? most / least : m->growth;
+        largest = most > largest ? most : largest;
+    }
+    m->radius_max *= largest;
+}
+
 /* The energy of a phase is that of the one it forms from, plus the latent heat, less what the difference of heat
  * capacities makes up to the temperature at which the latent heat is meant. */
 static void build_kinds(struct model *m)
 {
     const struct config *c = m->config;
-    double least = 1.0, most = 1.0;
     for (size_t i = 0; i < m->n_kinds; i++) {
         const struct phase_config *phase = i < c->n_materials ? NULL : &c->phases[i - c->n_materials];
         const struct material_config *state = phase == NULL ? &c->materials[i] : &phase->state;
@@ -414,20 +445,19 @@ static void build_kinds(struct model *m)
                                                                     : or_else(phase->hysteresis_t, 1.1 * latent / least_cp);
         if (isnan(c->materials[phase->material].mass))
             kind->size = sqrt(c->materials[phase->material].rho0 / state->rho0);
-        least = kind->size < least ? kind->size : least;
-        most = kind->size > most ? kind->size : most;
     }
-    m->growth = most / least;
-    m->radius_max *= most;
+    bound_sizes(m);
     m->has_phases = c->n_phases > 0;
     m->has_kinds = m->has_phases || c->n_reactions > 0;
 }
 
 /* Where elements interact by links and contact alone, lists reach so far beyond contact that the second neighbours of a
- * lattice stay out of them though it be compressed by a tenth: pairs that cost little, and fewer rebuilds. */
+ * lattice stay out of them though it be compressed by a tenth: pairs that cost little, and fewer rebuilds. A direction with
+ * one cell alone, which may be as short as it likes, keeps no two elements in cells that do not touch. */
 static struct margins margins_of(const struct model *m)
 {
-    double edge = m->grid.lx < m->grid.ly ? m->grid.lx : m->grid.ly, contact = 2.0 * m->radius_max, dr = m->config->delta_r;
+    double x = m->grid.cx > 1 ? m->grid.lx : INFINITY, y = m->grid.cy > 1 ? m->grid.ly : INFINITY, edge = x < y ? x : y;
+    double contact = 2.0 * m->radius_max, dr = m->config->delta_r;
     struct margins of = {.close = dr, .wide = edge - (m->has_far && m->far_cutoff > contact ? m->far_cutoff : contact)};
     double more = second_shell * contact < of.wide ? second_shell * contact : of.wide;
     if (!m->has_far && more > dr)

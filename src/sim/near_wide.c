@@ -29,6 +29,7 @@ struct lanes {
 #define OF_K(array) ((simd_real){(array)[q->k[0]], (array)[q->k[1]], (array)[q->k[2]], (array)[q->k[3]]})
 #define LESSER(a, b) SIMD_CHOOSE((a) < (b), a, b)
 #define FIXED(x) ((simd_int)((x) + shifter) - (simd_int)(zero + shifter))
+#define KEPT(x, left) ((simd_real)((simd_int)(x) & ~(left))) /* 0 in the lanes left */
 #define MAGNITUDE(x) ((simd_real)((simd_int)(x) & (simd_int){INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX}))
 
 /* Four rows of four integers, transposed: component c of lane q becomes component q of lane c. */
@@ -155,15 +156,17 @@ DM2_INLINE void measure_lanes(const struct pass *pass, const struct bond *bond, 
     simd_real elastic = of[2] * scale->energy;
     simd_real largest = MAGNITUDE(xx) + MAGNITUDE(yy) + MAGNITUDE(xy) + MAGNITUDE(potential) + MAGNITUDE(elastic);
     *left |= ~(largest < 0x1p50);
-    out->virial[VIRIAL_XX] = FIXED(xx);
-    out->virial[VIRIAL_YY] = FIXED(yy);
-    out->virial[VIRIAL_XY] = FIXED(xy);
+    dx = KEPT(dx, *left);
+    dy = KEPT(dy, *left);
+    out->virial[VIRIAL_XX] = FIXED(KEPT(xx, *left));
+    out->virial[VIRIAL_YY] = FIXED(KEPT(yy, *left));
+    out->virial[VIRIAL_XY] = FIXED(KEPT(xy, *left));
     out->around[AROUND_XX] = FIXED(dx * dx * scale->around);
     out->around[AROUND_YY] = FIXED(dy * dy * scale->around);
     out->around[AROUND_XY] = FIXED(dx * dy * scale->around);
     out->virial[VIRIAL_TALLY] = one * TALLY_PAIR + link + (one * TALLY_CONTACT & (at->r <= bond->r0));
-    out->potential = FIXED(potential);
-    out->elastic = FIXED(elastic);
+    out->potential = FIXED(KEPT(potential, *left));
+    out->elastic = FIXED(KEPT(elastic, *left));
 }
 
 /* Adds it to both elements of each pair but those left, and the energies of those that count here. */
@@ -275,7 +278,16 @@ DM2_INLINE void interact(struct pass *pass, struct lists *l, const struct pair_l
     if (measure)
         add_tally(pass, q, &tally, &more);
 
-    simd_real sx = at->nx * scale->force, sy = at->ny * scale->force;
+    simd_real nx = at->nx, ny = at->ny;
+    if (some) {
+        nx = KEPT(nx, more), ny = KEPT(ny, more);
+        fn = KEPT(fn, more), ft = KEPT(ft, more);
+        fdn = KEPT(fdn, more), fdt = KEPT(fdt, more);
+        arm_i = KEPT(arm_i, more), arm_j = KEPT(arm_j, more);
+        freed = KEPT(freed, more), damped = KEPT(damped, more), gained = KEPT(gained, more);
+        spring = SIMD_CHOOSE(more, before, spring);
+    }
+    simd_real sx = nx * scale->force, sy = ny * scale->force;
     simd_int force[4] = {FIXED(fn * sx - ft * sy), FIXED(fn * sy + ft * sx), FIXED(fdn * sx - fdt * sy),
                          FIXED(fdn * sy + fdt * sx)};
     simd_int qfreed = FIXED(0.5 * freed * scale->heat), qdamped = FIXED(0.5 * damped * scale->heat);
@@ -283,14 +295,6 @@ DM2_INLINE void interact(struct pass *pass, struct lists *l, const struct pair_l
     simd_real tt = ft * scale->torque, tdt = fdt * scale->torque;
     simd_int other_i[4] = {-FIXED(arm_i * tt), -FIXED(arm_i * tdt), qfreed, qdamped + qgained};
     simd_int other_j[4] = {-FIXED(arm_j * tt), -FIXED(arm_j * tdt), qfreed, qdamped - qgained};
-    if (some) {
-        for (int c = 0; c < 4; c++) {
-            force[c] &= ~more;
-            other_i[c] &= ~more;
-            other_j[c] &= ~more;
-        }
-        spring = SIMD_CHOOSE(more, before, spring);
-    }
     scatter(q, p->pair_sum, force, other_i, other_j);
     for (int c = 0; tangential && c < SIMD_LANES; c++)
         l->spring[q->k[c]] = spring[c];

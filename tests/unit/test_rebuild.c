@@ -11,7 +11,7 @@ TEST(lists_last_while_twice_dumax_is_within_the_margin)
     struct rebuild_plan plan;
     rebuild_plan_start(&plan, &c, both);
     CHECK(!rebuild_plan_step(&plan, 0.25, NULL));
-    CHECK(!rebuild_plan_step(&plan, 0.249, NULL)); /* 2 * 0.499 < dR: still valid */
+    CHECK(!rebuild_plan_step(&plan, 0.249, NULL)); /* 2 * 0.499 < 1: still valid */
     CHECK(rebuild_plan_step(&plan, 0.002, NULL));
     rebuild_plan_done(&plan);
     CHECK(!rebuild_plan_step(&plan, 0.499, NULL));
@@ -50,9 +50,9 @@ TEST(the_guess_looks_one_step_ahead)
     struct rebuild_plan plan;
     rebuild_plan_start(&plan, &c, both);
     CHECK(!rebuild_plan_expected(&plan));  /* nothing moved yet */
-    CHECK(!rebuild_plan_step(&plan, 0.19, NULL)); /* 2 * (0.19 + 0.285) < 1 */
+    CHECK(!rebuild_plan_step(&plan, 0.19, NULL)); /* 2 * (0.19 + 1.1 * 0.19) < 1 */
     CHECK(!rebuild_plan_expected(&plan));
-    CHECK(!rebuild_plan_step(&plan, 0.2, NULL)); /* 2 * (0.39 + 0.3) > 1 */
+    CHECK(!rebuild_plan_step(&plan, 0.2, NULL)); /* 2 * (0.39 + 1.1 * 0.2) > 1 */
     CHECK(rebuild_plan_expected(&plan));
 }
 
@@ -90,16 +90,16 @@ TEST(a_survey_lowers_the_bound_and_never_raises_it)
     struct rebuild_plan plan;
     rebuild_plan_start(&plan, &c, both);
     CHECK(!rebuild_plan_survey(&plan));
-    CHECK(!rebuild_plan_step(&plan, 0.1, NULL)); /* 0.2 + 2 * 0.3 < 1 */
+    CHECK(!rebuild_plan_step(&plan, 0.1, NULL)); /* 0.2 + 4 * 1.1 * 0.1 < 1 */
     CHECK(!rebuild_plan_survey(&plan));
-    CHECK(!rebuild_plan_step(&plan, 0.15, NULL)); /* 0.5 + 0.45 < 1 < 0.5 + 2 * 0.45 */
+    CHECK(!rebuild_plan_step(&plan, 0.15, NULL)); /* 0.5 + 2 * 1.1 * 0.15 < 1 < 0.5 + 4 * 1.1 * 0.15 */
     CHECK(rebuild_plan_survey(&plan) && !rebuild_plan_expected(&plan));
     CHECK(!rebuild_plan_step(&plan, 0.1, &whole));
     CHECK(!rebuild_plan_survey(&plan) && !rebuild_plan_expected(&plan));
     CHECK_NEAR(plan.approach, 0.05, 1e-15);
     CHECK(!rebuild_plan_step(&plan, 0.1, &wide)); /* 0.05 + 0.2 is known to be enough */
     CHECK_NEAR(plan.approach, 0.25, 1e-15);
-    CHECK(rebuild_plan_step(&plan, 0.5, &wide)); /* both are beyond dR */
+    CHECK(rebuild_plan_step(&plan, 0.5, &wide)); /* both are beyond the margin */
     CHECK(rebuild_plan_expected(&plan) && !rebuild_plan_survey(&plan));
 }
 
@@ -139,6 +139,8 @@ TEST(those_of_touching_cells_and_any_two_have_margins_of_their_own)
 }
 
 TEST_MAIN(CASE(cells_are_compared_by_their_boxes_and_circles),
-          CASE(those_of_touching_cells_and_any_two_have_margins_of_their_own), CASE(a_pair_approaches_by_no_more_than_box_and_circle_allow), CASE(a_survey_lowers_the_bound_and_never_raises_it),
+          CASE(those_of_touching_cells_and_any_two_have_margins_of_their_own),
+          CASE(a_pair_approaches_by_no_more_than_box_and_circle_allow),
+          CASE(a_survey_lowers_the_bound_and_never_raises_it),
           CASE(lists_last_while_twice_dumax_is_within_the_margin), CASE(every_k_steps_as_well),
           CASE(cells_alone_rebuild_every_step), CASE(the_guess_looks_one_step_ahead), CASE(nonsense_rebuilds))

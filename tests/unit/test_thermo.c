@@ -605,6 +605,31 @@ static void check_ranks(const char *deck, const char *what, const int *ranks, si
     engine_state_free(&want);
 }
 
+/* One that swells, reacts and swells again as the product. */
+TEST(no_element_outgrows_the_bound)
+{
+    struct engine g;
+    engine_load(&g,
+                METALS
+                "domain { size = 0.8, 0.8; r_c = 0.12; delta_r = 0.01 }\ntime { dt = 0.01; steps = 10 }\n"
+                "reaction r { reactants = Ni Al; product = NiAl; kind = non-stoichiometric; k0 = 10; ea = 60 kJ/mol\n"
+                "             heat = 1.54 kJ/g }\n"
+                "phase Al liquid { transition = temperature; t_line = 933; latent = 0.4 kJ/g; rho0 = 2.4 }\n"
+                "phase Ni high { transition = pressure; p_line = 0.5; t_line = 300; rho0 = 9.1 }\n"
+                "phase NiAl liquid { transition = temperature; t_line = 1911; latent = 0.9 kJ/g; rho0 = 5 }\n"
+                "body a { shape = rectangle 0, 0, 0.8, 0.8; spacing = 0.04; mix = Ni 0.5, Al 0.5 }\n",
+                NULL, 1);
+    const struct model *m = g.model;
+    double radius = phase_radius(m, 0.02, 1, 3); /* the liquid's */
+    CHECK_NEAR_REL(radius, 0.02 * sqrt(2.703 / 2.4), 1e-15);
+    radius = phase_radius(m, radius, 3, 2); /* the product's */
+    radius = phase_radius(m, radius, 2, 5); /* and that of its liquid */
+    CHECK_NEAR_REL(radius, 0.02 * sqrt(2.703 / 2.4 * 5.86 / 5), 1e-15);
+    CHECK_NEAR_REL(m->radius_max, radius, 1e-15);
+    CHECK_NEAR_REL(m->growth, sqrt(2.703 / 2.4 * 5.86 / 5), 1e-14);
+    engine_stop(&g);
+}
+
 TEST(any_number_of_ranks_gives_the_same_bits)
 {
     const int ranks[] = {1, 2, 4, 7};
@@ -707,5 +732,6 @@ TEST_MAIN(CASE(softening_with_temperature), CASE(converted_masses_are_lost_by_th
           CASE(complete_conversion_gives_the_adiabatic_temperature),
           CASE(a_mixture_conserves_and_stays_positive),
           CASE(a_stoichiometric_mixture_takes_both_in_proportion),
-          CASE(any_number_of_ranks_gives_the_same_bits), CASE(a_restart_goes_on_with_the_same_bits),
+          CASE(no_element_outgrows_the_bound), CASE(any_number_of_ranks_gives_the_same_bits),
+          CASE(a_restart_goes_on_with_the_same_bits),
           CASE(bad_chemistry_is_refused))

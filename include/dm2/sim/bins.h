@@ -1,5 +1,6 @@
 /* Bins: a finer grid than the cells, for finding the near pairs of a deck whose elements only touch. The cells must
- * exceed R_c + dR, which the paper's decks choose at 2.5 diameters and more; contact needs one diameter and dR. */
+ * exceed R_c + dR, which the paper's decks choose at 2.5 diameters and more; contact needs one diameter and the margin of
+ * close pairs. */
 #ifndef DM2_SIM_BINS_H
 #define DM2_SIM_BINS_H
 

@@ -2,8 +2,8 @@
  *
  * Most near pairs of a solid are links whose law has all its constants worked out. They stand here in quads of one law, so
  * that the loop over them gathers nothing but the state of the elements; whatever is left, unlinked pairs, other laws,
- * and up to three links of each law and chunk of rows, is taken one by one. The list says where a pair is looked at, not what happens to it:
- * a link that has broken since is found by its memory in the near list. */
+ * and up to three links of each law and chunk of rows, is taken one by one. The list says where a pair is looked at, not
+ * what happens to it: a link that has broken since is found by its memory in the near list. */
 #ifndef DM2_SIM_LINKS_H
 #define DM2_SIM_LINKS_H
 

@@ -1,8 +1,8 @@
 /* Neighbour lists (paper, sections 2.1 and 4), half: a pair stands in the row of its lower slot, which is owned.
  *
  * Two lists, because what has no memory and no status costs less: `far` holds the pairs within the cutoff of a
- * potential of scope `all`, plus dR; `near` those that are linked or can come into contact before dR is used up, with
- * the memory of each pair. A pair may be in both. */
+ * potential of scope `all`, plus dR; `near` those that are linked or can come into contact before the margin of
+ * close pairs is spent (struct margins), with the memory of each pair. A pair may be in both. */
 #ifndef DM2_SIM_LISTS_H
 #define DM2_SIM_LISTS_H
 

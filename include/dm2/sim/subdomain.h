@@ -14,8 +14,8 @@
  * parcel per rank, the transport of the parcels, and subdomain_take_in with all parcels addressed to this rank.
  * With one rank a rebuild is sort_out and take_in of the own parcel, and an update is nothing.
  *
- * Lists stay valid while no two elements can have approached by more than dR since the last rebuild; who keeps
- * the bound (struct rebuild_plan) decides about rebuilds. No result depends on when they happen.
+ * Lists stay valid while no two elements can have approached by more than their margin (struct margins) since the last
+ * rebuild; who keeps the bounds (struct rebuild_plan) decides about rebuilds. No result depends on when they happen.
  *
  * Every function that returns a status: DM2_MEMORY, and what its comment names. */
 #ifndef DM2_SIM_SUBDOMAIN_H
@@ -78,8 +78,9 @@ enum dm2_status subdomain_move(struct subdomain *sd, double *dmax, struct measur
  * measure. DM2_NUMERIC: an element went non-finite or moved further than a cell edge in one step: id, step,
  * position. */
 
-/* The displacements of the owned elements since the last rebuild, for struct rebuild_plan. After subdomain_move and before
- * subdomain_sort_out. */
+/* The displacements of the owned elements since the last rebuild, for struct rebuild_plan; `close` is of the owned against
+ * the mirrored ones too, as these were before the last move. After subdomain_move, before subdomain_sort_out or the next
+ * subdomain_take_update. */
 void subdomain_survey(struct subdomain *sd, struct spread *out);
 
 /* As subdomain_move, without moving: the measures of the last state of a run. The subdomain is then spent: only

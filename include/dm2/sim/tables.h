@@ -62,7 +62,7 @@ struct model {
     bool has_phases;       /* the deck has phases: pressure is needed at every step */
     bool has_kinds;        /* elements may change their kind, by phase or reaction */
     struct reaction_table reaction;
-    double growth;         /* largest over smallest size of a kind; 1 without phases */
+    double growth;         /* by what factor the radius of an element may grow; 1 without phases */
     bool has_strain;       /* the deck asks for strain: velocities of mirrored elements matter */
     bool uniform_far;      /* one kind, one far law */
     bool wide_far;         /* and that law is a plain Lennard-Jones potential: rows of the far list are padded to fours */
@@ -70,7 +70,7 @@ struct model {
     double far_cutoff;     /* largest cutoff of scope all, cm; 0 without */
     double far_place;      /* x and y of the slot that fills lists up: beyond all reach, and near enough that forces there
                               are no denormal numbers, which are slow, cm */
-    double radius_max;     /* largest radius of an element, cm */
+    double radius_max;     /* largest radius of any element at any time, cm */
     struct margins margins;
     double dt_stable;
     const char *dt_mode;   /* what limits it */
