@@ -1,7 +1,7 @@
 /* Links four at a time: pair_interact of law.h in the lanes of a vector, for what most pairs of a solid do at most
- * steps: a Morse bond that neither breaks nor yields in tension, with damping, shear spring and plastic slip, viscosity,
+ * steps: a Morse bond that does not break, with damping, yield in tension, shear spring and plastic slip, viscosity,
  * conduction. Every lane does the operations of the plain path in the same order, so the bits do not tell which ran;
- * one that needs more (it breaks, yields, closes a void, leaves the range) takes the plain path.
+ * one that needs more (it breaks, closes a void, leaves the range) takes the plain path.
  *
  * A pair's chain of operations is some hundreds of cycles long, and a processor looks ahead no further than about one
  * quad. So a block of quads goes through three short stages, one after the other: in each, the next quad does not wait for
@@ -76,6 +76,18 @@ DM2_INLINE void exp_lanes(const simd_real *in, simd_real *out)
     simd_real low = p01 + z2 * p23, mid = p45 + z2 * p67, high = p89 + z2 * pab;
     simd_int scale = ((simd_int)shifted + 1023) << 52; /* the low bits of `shifted` are k */
     *out = ((low + z4 * mid) + (z4 * z4) * (high + z4 * pcd)) * (simd_real)scale;
+}
+
+/* log x of each lane, the operations of real_log; 1/2 <= x <= 1. */
+DM2_INLINE void log_lanes(const simd_real *in, simd_real *out)
+{
+    const simd_real zero = {0.0};
+    const simd_int low = *in < 0x1.6a09e667f3bcdp-1;
+    simd_real m = SIMD_CHOOSE(low, 2.0 * *in, *in), power = SIMD_CHOOSE(low, zero - 1.0, zero);
+    simd_real s = (m - 1.0) / (m + 1.0), q = s * s, sum = zero;
+    for (int k = 21; k >= 3; k -= 2)
+        sum = (sum + 1.0 / k) * q;
+    *out = power * 0x1.62e42fefa0000p-1 + ((2.0 * s + 2.0 * s * sum) + power * 0x1.cf79abc9e3b3ap-40);
 }
 
 /* Is any lane set? All? */
@@ -197,6 +209,27 @@ DM2_INLINE void add_tally(struct pass *pass, const struct link_quad *q, const st
     exact_add_units(&pass->elastic, elastic, pass->m->fixed.energy_left);
 }
 
+/* Yield in tension, where *pulled is set: the residual stretch with which the bond holds its strength `cap`, the heat of
+ * getting there, and the bond as it is then. A lane in which no length is the right one is added to *left. */
+DM2_INLINE void yield_lanes(const struct pair_law *law, const simd_real *cap, const simd_int *pulled, struct lanes *at,
+                            simd_real *stretch, simd_real *heat, simd_int *left)
+{
+    const struct bond *bond = &law->bond;
+    simd_real q = *cap * law->shape / (law->k * bond->r0), root = 1.0 - 4.0 * q, log, e;
+    *left |= *pulled & ~(q < 0.25);
+    root = (simd_real){sqrt(root[0]), sqrt(root[1]), sqrt(root[2]), sqrt(root[3])};
+    root = 0.5 * (1.0 + root);
+    log_lanes(&root, &log);
+    simd_real held = at->r - (bond->r0 - log * bond->r0 / law->shape), change = held - *stretch;
+    simd_real x = at->r - held, power = law->shape - bond->alpha * x;
+    exp_lanes(&power, &e);
+    *heat = KEPT(*cap * MAGNITUDE(change), ~*pulled);
+    *stretch = SIMD_CHOOSE(*pulled, held, *stretch);
+    at->x = SIMD_CHOOSE(*pulled, x, at->x);
+    at->e = SIMD_CHOOSE(*pulled, e, at->e);
+    at->f = SIMD_CHOOSE(*pulled, bond->force * (e * e - e), at->f);
+}
+
 static inline bool all_linked(const struct lists *l, const struct link_quad *q)
 {
     return l->linked[q->k[0]] & l->linked[q->k[1]] & l->linked[q->k[2]] & l->linked[q->k[3]];
@@ -205,7 +238,7 @@ static inline bool all_linked(const struct lists *l, const struct link_quad *q)
 /* Stage 3: everything else, and the sums. *left are the lanes whose pairs must take the plain path: nothing was added or
  * changed for them. */
 DM2_INLINE void interact(struct pass *pass, struct lists *l, const struct pair_law *law, const struct link_quad *q,
-                         const struct lanes *at, bool spin, bool measure, simd_int *left)
+                         struct lanes *at, bool spin, bool measure, simd_int *left)
 {
     const struct fixed_scales *scale = &pass->m->fixed;
     const struct particles *p = pass->p;
@@ -214,7 +247,7 @@ DM2_INLINE void interact(struct pass *pass, struct lists *l, const struct pair_l
     const bool yields = law->tensile_i < INFINITY || law->tensile_j < INFINITY || law->yield_i < INFINITY ||
                         law->yield_j < INFINITY;
     const bool tangential = spin && law->tangential;
-    simd_real f = at->f, over = at->over, stretch = OF_K(l->stretch), cap = endless, held = endless;
+    simd_real over = at->over, stretch = OF_K(l->stretch), cap = endless, held = endless, torn = zero;
     if (yields) {
         simd_real soft_i = OF_I(p->soft), soft_j = OF_J(p->soft);
         simd_real pull_i = law->tensile_i * soft_i, pull_j = law->tensile_j * soft_j;
@@ -223,12 +256,15 @@ DM2_INLINE void interact(struct pass *pass, struct lists *l, const struct pair_l
         held = LESSER(slip_i, slip_j) * bond->area;
     }
     simd_real power = law->shape - bond->alpha * at->x;
-    simd_int more = (at->r > bond->breaks) | (f < -cap) | (at->x > bond->peak) | ((stretch > 0.0) & (f > cap)) |
+    simd_int more = (at->r > bond->breaks) | (at->x > bond->peak) | ((stretch > 0.0) & (at->f > cap)) |
                     ~((MAGNITUDE(power) < 700.0) & (at->r > 0.0));
     if (!all_linked(l, q)) {
         for (int c = 0; c < SIMD_LANES; c++)
             more[c] |= l->linked[q->k[c]] ? 0 : -1;
     }
+    simd_int pulled = (at->f < -cap) & ~more;
+    if (yields && any(&pulled))
+        yield_lanes(law, &cap, &pulled, at, &stretch, &torn, &more);
 
     simd_real cn = zero + law->cn_mass, ct = zero + law->ct_mass;
     if (law->a_p != 0.0 || law->a_t != 0.0) {
@@ -236,8 +272,8 @@ DM2_INLINE void interact(struct pass *pass, struct lists *l, const struct pair_l
                            law->a_t * (0.5 * (OF_I(p->temperature) + OF_J(p->temperature)) - law->t0_mean);
         cn = cn * SIMD_CHOOSE(change > 0.0, change, zero);
     }
-    simd_real fdn = -cn * at->vn, fn = f + fdn;
-    simd_real ft = zero, fdt = zero, arm_i = zero, arm_j = zero, freed = zero, damped = zero, before = zero, spring = zero;
+    simd_real fdn = -cn * at->vn, fn = at->f + fdn;
+    simd_real ft = zero, fdt = zero, arm_i = zero, arm_j = zero, freed = torn, damped = zero, before = zero, spring = zero;
     if (tangential) {
         simd_real share = at->r * bond->over_r0;
         before = OF_K(l->spring);
@@ -250,7 +286,7 @@ DM2_INLINE void interact(struct pass *pass, struct lists *l, const struct pair_l
             simd_int slips = law->kt_link * MAGNITUDE(spring) > held;
             held = held / law->kt_link;
             held = (simd_real)(((simd_int)held & ~sign) | ((simd_int)spring & sign));
-            freed = SIMD_CHOOSE(slips, law->kt_link * (0.5 * (before + held)) * (spring - held), zero);
+            freed = freed + SIMD_CHOOSE(slips, law->kt_link * (0.5 * (before + held)) * (spring - held), zero);
             spring = SIMD_CHOOSE(slips, held, spring);
         }
         simd_real fs = -law->kt_link * spring;
@@ -298,6 +334,13 @@ DM2_INLINE void interact(struct pass *pass, struct lists *l, const struct pair_l
     scatter(q, p->pair_sum, force, other_i, other_j);
     for (int c = 0; tangential && c < SIMD_LANES; c++)
         l->spring[q->k[c]] = spring[c];
+    pulled = pulled & ~more;
+    if (yields && any(&pulled)) {
+        for (int c = 0; c < SIMD_LANES; c++) {
+            if (pulled[c])
+                l->stretch[q->k[c]] = stretch[c];
+        }
+    }
 }
 
 DM2_INLINE void wide_groups(struct pass *pass, struct lists *l, bool spin, bool periodic, bool measure,
