@@ -57,13 +57,14 @@ through()
     [ "$status" -eq 0 ] || { cat "$work/$network/said"; exit "$status"; }
 }
 
-# computing DIRECTORY: seconds per step of the busiest server of a run, and of these the seconds ahead.
+# computing DIRECTORY: seconds per step of the busiest server of a run, and of these the seconds ahead (read off a clock: where
+# another program was let in between, they can seem to be more than all).
 computing()
 {
     awk -F , 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
         { w = $at["forces [s]"] + $at["integrate [s]"] + $at["rebuild [s]"]
           part = $at["cpu [s]"] / (w + $at["pack [s]"] + $at["unpack [s]"]) / $at["steps"]
-          if (w * part > most) { most = w * part; ahead = $at["ahead [s]"] * part } }
+          if (w * part > most) { most = w * part; ahead = ($at["ahead [s]"] < w ? $at["ahead [s]"] : w) * part } }
         END { printf "%.17g,%.17g\n", most, ahead }' "$1/timing.csv"
 }
 

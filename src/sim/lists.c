@@ -149,12 +149,20 @@ static int reserve_row(struct builder *b, size_t candidates)
     return 0;
 }
 
-static inline void meet(struct builder *b, uint32_t i, uint32_t j)
+static inline double distance2(const struct builder *b, uint32_t i, uint32_t j, bool periodic)
 {
     const double *r = b->p->r;
-    double dx = lists_wrap(r[2 * i] - r[2 * j], b->period[0], b->half[0]);
-    double dy = lists_wrap(r[2 * i + 1] - r[2 * j + 1], b->period[1], b->half[1]);
-    double r2 = dx * dx + dy * dy;
+    double dx = r[2 * i] - r[2 * j], dy = r[2 * i + 1] - r[2 * j + 1];
+    if (periodic) {
+        dx = lists_wrap(dx, b->period[0], b->half[0]);
+        dy = lists_wrap(dy, b->period[1], b->half[1]);
+    }
+    return dx * dx + dy * dy;
+}
+
+static inline void meet(struct builder *b, uint32_t i, uint32_t j)
+{
+    double r2 = distance2(b, i, j, true);
     if (r2 <= b->far_reach2)
         b->lists->far.j[b->far_count++] = 2 * j;
     if (r2 <= b->near_reach2)
@@ -206,22 +214,37 @@ static int bin_ranges(const struct grid *g, int at, int first[9], int last[9])
     return count;
 }
 
-/* Near pairs alone, from bins: the later slots in the bin of i and in those around it. */
-static int row_from_bins(struct builder *b, uint32_t i)
+/* Bins for the near pairs of a deck without others. False where cells serve as well. */
+static bool bins_serve(struct builder *b)
+{
+    const struct grid *cells = &b->m->grid, *g = &b->lists->bins.grid;
+    return b->m->config->search == SEARCH_CELLS_AND_LISTS && !b->m->has_far &&
+           bins_lay_out(&b->lists->bins, cells, b->p->r, b->p->n, sqrt(b->near_reach2), 16.0 * (double)b->p->n + 1024.0) &&
+           (g->cx == 1 || g->lx < 0.6 * cells->lx) && (g->cy == 1 || g->ly < 0.6 * cells->ly);
+}
+
+/* Near pairs alone, from bins: the later slots in the bin of i and in those around it. Those in reach are written where the
+ * row's entries will stand, without a branch, and then looked at one by one; entries never overtake them. */
+DM2_INLINE int row_from_bins(struct builder *b, uint32_t i, bool periodic)
 {
     const struct bins *bins = &b->lists->bins;
     int first[9], last[9], n = bin_ranges(&bins->grid, (int)bins->bin[i], first, last);
     size_t candidates = 0;
     for (int q = 0; q < n; q++)
         candidates += bins->start[last[q] + 1] - bins->start[first[q]];
-    if (reserve_row(b, candidates) != 0)
+    if (near_reserve(b->lists, b->near_count, candidates, NEAR_GUESS * b->p->n_own) != 0)
         return -1;
+    uint32_t *found = b->lists->near.j + b->near_count;
+    size_t count = 0;
     for (int q = 0; q < n; q++) {
         for (uint32_t s = bins->start[first[q]]; s < bins->start[last[q] + 1]; s++) {
-            if (bins->slot[s] > i)
-                meet(b, i, bins->slot[s]);
+            uint32_t j = bins->slot[s];
+            found[count] = j;
+            count += (j > i) & (distance2(b, i, j, periodic) <= b->near_reach2);
         }
     }
+    for (size_t k = 0; k < count; k++)
+        consider_near(b, i, found[k], distance2(b, i, found[k], periodic));
     return 0;
 }
 
@@ -313,10 +336,9 @@ enum dm2_status lists_build(struct lists *lists, const struct model *m, const st
         lists->inner[part].valid = lists->links[part].valid = false;
     lists->n_inside = cells->start[cells->n_inside];
     bool all_pairs = m->config->search == SEARCH_LISTS;
-    bool binned = m->config->search == SEARCH_CELLS_AND_LISTS && !m->has_far &&
-                  bins_lay_out(&lists->bins, &m->grid, sqrt(b.near_reach2), p->n);
+    bool binned = bins_serve(&b), periodic = m->grid.periodic[0] || m->grid.periodic[1];
     enum dm2_status status = DM2_MEMORY;
-    if ((binned && bins_assign(&lists->bins, p) != 0) ||
+    if ((binned && bins_assign(&lists->bins, p->r, p->n) != 0) ||
         list_reserve_rows(&lists->far, p->n_own) != 0 || list_reserve_rows(&lists->near, p->n_own) != 0)
         goto done;
     for (int own = 0; own < cells->n_own; own++) {
@@ -325,9 +347,10 @@ enum dm2_status lists_build(struct lists *lists, const struct model *m, const st
         for (uint32_t i = cells->start[own]; i < cells->start[own + 1]; i++) {
             lists->far.start[i] = (uint32_t)b.far_count;
             lists->near.start[i] = (uint32_t)b.near_count;
-            if ((all_pairs ? row_from_all(&b, i)
-                 : binned  ? row_from_bins(&b, i)
-                           : row_from_cells(&b, cells, own, i)) != 0 ||
+            if ((all_pairs            ? row_from_all(&b, i)
+                 : binned && periodic ? row_from_bins(&b, i, true)
+                 : binned             ? row_from_bins(&b, i, false)
+                                      : row_from_cells(&b, cells, own, i)) != 0 ||
                 remember(&b, i) != 0)
                 goto done;
             if (m->wide_far)

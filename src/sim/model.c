@@ -452,13 +452,12 @@ static void build_kinds(struct model *m)
 }
 
 /* Where elements interact by links and contact alone, lists reach so far beyond contact that the second neighbours of a
- * lattice stay out of them though it be compressed by a tenth: pairs that cost little, and fewer rebuilds. A direction with
- * one cell alone, which may be as short as it likes, keeps no two elements in cells that do not touch. */
+ * lattice stay out of them though it be compressed by a tenth: pairs that cost little, and fewer rebuilds. They cannot reach
+ * beyond R_c + dR, which cells exceed. */
 static struct margins margins_of(const struct model *m)
 {
-    double x = m->grid.cx > 1 ? m->grid.lx : INFINITY, y = m->grid.cy > 1 ? m->grid.ly : INFINITY, edge = x < y ? x : y;
-    double contact = 2.0 * m->radius_max, dr = m->config->delta_r;
-    struct margins of = {.close = dr, .wide = edge - (m->has_far && m->far_cutoff > contact ? m->far_cutoff : contact)};
+    double contact = 2.0 * m->radius_max, dr = m->config->delta_r, reach = m->config->r_c + dr;
+    struct margins of = {.close = dr, .wide = reach - (m->has_far && m->far_cutoff > contact ? m->far_cutoff : contact)};
     double more = second_shell * contact < of.wide ? second_shell * contact : of.wide;
     if (!m->has_far && more > dr)
         of.close = more;

@@ -3,9 +3,9 @@
  *
  * Two bounds of what a pair can have approached come out of a survey: twice the longest displacement, the better one
  * where motion has no direction, and the diagonal of the box of all displacements, the better one where bodies
- * move as wholes. Where elements only touch, the displacements of each cell are compared with those of the cells around it
- * as well. After a survey bounds grow by 2 dmax again, so as one gets near its margin surveys become frequent; one costs
- * about as much as integrating positions, a rebuild as much as a few steps.
+ * move as wholes. Where elements only touch, they are sorted into bins as well, and the displacements in each bin are compared
+ * with those in the bins around it. After a survey bounds grow by 2 dmax again, so as one gets near its margin surveys become
+ * frequent; one costs about as much as integrating positions, a rebuild as much as a few steps.
  *
  * The mirrored elements in a survey are a step behind: those that it compares can have come nearer by dmax since.
  */
@@ -38,19 +38,6 @@ double spread_approach(const struct spread *s)
         return 0.0;
     double diagonal = sqrt(x * x + y * y), twice = 2.0 * s->most;
     return diagonal < twice ? diagonal : twice;
-}
-
-double spread_between(const struct spread *a, const struct spread *b)
-{
-    double apart[2], most = a->most + b->most;
-    for (int k = 0; k < 2; k++) {
-        double ab = a->high[k] - b->low[k], ba = b->high[k] - a->low[k];
-        apart[k] = ab > ba ? ab : ba;
-    }
-    if (apart[0] < 0.0 || apart[1] < 0.0)
-        return 0.0;
-    double diagonal = sqrt(apart[0] * apart[0] + apart[1] * apart[1]);
-    return diagonal < most ? diagonal : most;
 }
 
 void rebuild_plan_start(struct rebuild_plan *plan, const struct config *config, struct margins margins)

@@ -75,8 +75,10 @@ struct subdomain {
     struct peer *peers;    /* [ranks] */
     struct idmap ids;      /* of mirrored elements and immigrants, for the memory of pairs */
     struct block from, moved, old_id; /* of settle */
-    struct block anchors;  /* positions at the last rebuild: 2 doubles each; of mirrored elements where surveys_cells */
-    struct block spreads;  /* of a survey's cells, where the pair sums have no room for them */
+    struct block anchors;  /* positions at the last rebuild: 2 doubles each; of mirrored elements where surveys_close */
+    struct block spreads;  /* of a survey's bins, where the pair sums have no room for them */
+    struct bins near_by;   /* the anchors, for surveys; edges longer than R_c + dR */
+    bool binned;           /* they have been sorted since the last rebuild */
     int32_t *cell_of;      /* global cell of each owned slot at the last sort_out; -1: emigrated */
     size_t cell_cap;
     size_t n_leaving;      /* emigrants of the last sort_out, still in their slots until take_in */
@@ -472,8 +474,8 @@ done:
     return status;
 }
 
-/* Where far pairs interact, cells are hardly longer than these reach, and a survey cell by cell says nothing more. */
-static bool surveys_cells(const struct subdomain *sd)
+/* Where far pairs interact, any two elements have the margin that those close to each other have. */
+static bool surveys_close(const struct subdomain *sd)
 {
     return !sd->model->has_far;
 }
@@ -481,13 +483,14 @@ static bool surveys_cells(const struct subdomain *sd)
 /* Lists, and from where displacements count. */
 static enum dm2_status build_lists(struct subdomain *sd, bool initial, struct dm2_error *err)
 {
-    size_t n = surveys_cells(sd) ? sd->p.n : sd->p.n_own;
+    size_t n = surveys_close(sd) ? sd->p.n : sd->p.n_own;
     double *anchor = block_hold(&sd->anchors, n, 2 * sizeof *anchor);
     if (anchor == NULL)
         return no_memory(sd, err);
     beat(sd);
     if (n > 0)
         memcpy(anchor, sd->p.r, n * 2 * sizeof *anchor);
+    sd->binned = false;
     return lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, initial, err);
 }
 
@@ -633,6 +636,7 @@ void subdomain_free(struct subdomain *sd)
     free(sd->old_id.item);
     free(sd->anchors.item);
     free(sd->spreads.item);
+    bins_free(&sd->near_by);
     free(sd);
 }
 
@@ -655,7 +659,7 @@ size_t subdomain_bytes(const struct subdomain *sd)
 {
     size_t bytes = sizeof *sd + particles_bytes(&sd->p) + lists_bytes(&sd->lists) + cells_bytes(&sd->cells, &sd->map) +
                    sd->cell_cap * sizeof *sd->cell_of + sd->ids.slots * 8 + sd->from.cap + sd->moved.cap + sd->old_id.cap +
-                   sd->anchors.cap + sd->spreads.cap +
+                   sd->anchors.cap + sd->spreads.cap + bins_bytes(&sd->near_by) +
                    sd->strain.cap * STRAIN_SUMS * sizeof *sd->strain.sum + sd->reacted.cap * sizeof *sd->reacted.item;
     for (int r = 0; r < sd->map.ranks; r++)
         bytes += sd->peers[r].send.cap * sizeof(uint32_t) +
@@ -735,21 +739,20 @@ enum dm2_status subdomain_move(struct subdomain *sd, double *dmax, struct measur
 }
 
 /* Displacements of slots first .. last-1, or of those that `slots` names there. */
-static struct spread survey_slots(const struct subdomain *sd, const uint32_t *slots, size_t first, size_t last)
+static inline struct spread survey_slots(const struct subdomain *sd, const uint32_t *slots, size_t first, size_t last)
 {
     const struct grid *g = &sd->model->grid;
+    const bool periodic = g->periodic[0] || g->periodic[1];
     const double *r = sd->p.r, *anchor = sd->anchors.item;
     struct spread out = spread_none();
-    double most2 = 0.0, period[2], half[2];
-    for (size_t a = 0; a < 2; a++) {
-        period[a] = g->periodic[a] ? g->size[a] : 0.0;
-        half[a] = g->periodic[a] ? 0.5 * g->size[a] : INFINITY;
-    }
+    double most2 = 0.0;
     for (size_t s = first; s < last; s++) {
         size_t i = slots != NULL ? slots[s] : s;
         double d[2];
         for (size_t a = 0; a < 2; a++) {
-            d[a] = lists_wrap(r[2 * i + a] - anchor[2 * i + a], period[a], half[a]);
+            d[a] = r[2 * i + a] - anchor[2 * i + a];
+            if (periodic && g->periodic[a])
+                d[a] = lists_wrap(d[a], g->size[a], 0.5 * g->size[a]);
             out.low[a] = d[a] < out.low[a] ? d[a] : out.low[a];
             out.high[a] = d[a] > out.high[a] ? d[a] : out.high[a];
         }
@@ -760,32 +763,73 @@ static struct spread survey_slots(const struct subdomain *sd, const uint32_t *sl
     return out;
 }
 
-/* Room for the spread of each cell: that of the pair sums, which mean nothing between a move and the next forces. NULL
+/* Sorts the anchors into bins, once after each rebuild: edges longer than R_c + dR, and twice that again and again where there
+ * would be more bins than elements. False where that cannot be. */
+static bool sort_anchors(struct subdomain *sd)
+{
+    const struct config *c = sd->model->config;
+    double reach = c->r_c + c->delta_r, most = (double)sd->p.n + 1024.0;
+    for (int k = 0; k < 16 && !sd->binned; k++, reach *= 2.0) {
+        if (!bins_lay_out(&sd->near_by, &sd->model->grid, sd->anchors.item, sd->p.n, reach, most))
+            continue;
+        if (bins_assign(&sd->near_by, sd->anchors.item, sd->p.n) != 0)
+            return false;
+        sd->binned = true;
+    }
+    return sd->binned;
+}
+
+/* Room for the spread of each bin: that of the pair sums, which mean nothing between a move and the next forces. NULL
  * without memory. */
 static struct spread *room_for_spreads(struct subdomain *sd)
 {
-    size_t cells = (size_t)sd->cells.n_own + (size_t)sd->cells.n_mirrored;
-    return cells <= particles_sum_bytes(&sd->p) / sizeof(struct spread)
+    size_t bins = (size_t)sd->near_by.grid.cx * (size_t)sd->near_by.grid.cy;
+    return bins <= particles_sum_bytes(&sd->p) / sizeof(struct spread)
                ? (struct spread *)(void *)sd->p.pair_sum
-               : block_hold(&sd->spreads, cells, sizeof(struct spread));
+               : block_hold(&sd->spreads, bins, sizeof(struct spread));
 }
 
-/* Cell by cell, and then what each has against those around it. */
-static struct spread survey_cells(const struct subdomain *sd, struct spread *of)
+/* How much those of bin (i, j) can have approached each other, and those in the bins around it that have not been compared
+ * with it yet: east of it, and in the row above. */
+static double close_to_bin(const struct grid *g, const struct spread *of, int i, int j)
 {
-    const struct cells *c = &sd->cells;
-    struct spread out = spread_none();
-    for (int k = 0; k < c->n_own; k++) {
-        of[k] = survey_slots(sd, NULL, c->start[k], c->start[k + 1]);
-        spread_merge(&out, &of[k]);
+    static const int later[4][2] = {{1, 0}, {-1, 1}, {0, 1}, {1, 1}};
+    const struct spread *here = &of[j * g->cx + i];
+    double close = spread_approach(here);
+    for (int k = 0; k < 4; k++) {
+        int x = i + later[k][0], y = j + later[k][1];
+        if (g->periodic[0])
+            x = (x + g->cx) % g->cx;
+        if (g->periodic[1])
+            y %= g->cy;
+        if (x < 0 || x >= g->cx || y >= g->cy)
+            continue;
+        double between = spread_between(here, &of[y * g->cx + x], later[k]);
+        close = between > close ? between : close;
     }
-    for (int k = 0; k < c->n_mirrored; k++)
-        of[c->n_own + k] = survey_slots(sd, c->mirror_slot, c->mirror_start[k], c->mirror_start[k + 1]);
-    for (int k = 0; k < c->n_own; k++) {
-        double close = spread_approach(&of[k]);
-        out.close = close > out.close ? close : out.close;
-        for (uint32_t q = c->ring_start[k]; q < c->ring_start[k + 1]; q++) {
-            close = spread_between(&of[k], &of[c->ring[q]]);
+    return close;
+}
+
+/* Bin by bin, and then what each has against those around it. Owned slots come first in a bin. */
+static struct spread survey_bins(const struct subdomain *sd, struct spread *of)
+{
+    const struct bins *b = &sd->near_by;
+    const struct grid *g = &b->grid;
+    struct spread out = spread_none();
+    for (int k = 0; k < g->cx * g->cy; k++) {
+        size_t first = b->start[k], last = b->start[k + 1], own = last;
+        while (own > first && b->slot[own - 1] >= sd->p.n_own)
+            own--;
+        of[k] = survey_slots(sd, b->slot, first, own);
+        spread_merge(&out, &of[k]);
+        if (own < last) {
+            struct spread mirrored = survey_slots(sd, b->slot, own, last);
+            spread_merge(&of[k], &mirrored);
+        }
+    }
+    for (int j = 0; j < g->cy; j++) {
+        for (int i = 0; i < g->cx; i++) {
+            double close = b->start[j * g->cx + i + 1] > b->start[j * g->cx + i] ? close_to_bin(g, of, i, j) : 0.0;
             out.close = close > out.close ? close : out.close;
         }
     }
@@ -795,9 +839,9 @@ static struct spread survey_cells(const struct subdomain *sd, struct spread *of)
 void subdomain_survey(struct subdomain *sd, struct spread *out)
 {
     double started = clock_now();
-    struct spread *of = surveys_cells(sd) ? room_for_spreads(sd) : NULL;
+    struct spread *of = surveys_close(sd) && sort_anchors(sd) ? room_for_spreads(sd) : NULL;
     if (of != NULL) {
-        *out = survey_cells(sd, of);
+        *out = survey_bins(sd, of);
     } else {
         *out = survey_slots(sd, NULL, 0, sd->p.n_own);
         out->close = INFINITY;

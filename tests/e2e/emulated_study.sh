@@ -19,7 +19,7 @@ awk -F , '
       if (!(computing > 0 && step > computing && $at["link_predicted"] > 0 && $at["speedup_predicted"] > 0)) exit 1
       if (!near($at["t_seq"], n * 0.3316e-3 * ($2 == "paper" ? 1 : 0.1))) exit 2 # eq. (13), at the only size there is
       ahead = $at["ahead"]; messages = step - computing + ahead
-      if (!(ahead > 0 && ahead < computing)) exit 6
+      if (!(ahead > 0 && ahead <= computing)) exit 6
       if (!near($at["t_dist"], factor * computing + messages)) exit 3
       more = messages > factor * ahead ? messages : factor * ahead
       if (!near($at["t_ahead"], factor * (computing - ahead) + more)) exit 7

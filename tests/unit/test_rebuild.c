@@ -103,28 +103,44 @@ TEST(a_survey_lowers_the_bound_and_never_raises_it)
     CHECK(rebuild_plan_expected(&plan) && !rebuild_plan_survey(&plan));
 }
 
-TEST(cells_are_compared_by_their_boxes_and_circles)
+TEST(bins_are_compared_by_their_boxes_and_circles)
 {
     struct spread none = spread_none(), still = spread_of(0, 0, 0, 0, 0), left = spread_of(1, 0, 2, 0, 2),
                   right = spread_of(-3, -4, -2, 0, 5), near = spread_of(-1, -1, 1, 1, 1.1);
-    CHECK_SAME_BITS(spread_between(&none, &none), 0.0);
-    CHECK_SAME_BITS(spread_between(&none, &left), 0.0);
-    CHECK_SAME_BITS(spread_between(&left, &none), 0.0);
-    CHECK_SAME_BITS(spread_between(&still, &left), 2.0);
-    CHECK_SAME_BITS(spread_between(&left, &right), sqrt(41.0));
-    CHECK_SAME_BITS(spread_between(&right, &left), sqrt(41.0));
-    CHECK_SAME_BITS(spread_between(&near, &still), 1.1); /* the circle, not the corner of the box */
-    CHECK_SAME_BITS(spread_between(&left, &left), 1.0);
+    const int either[2] = {0, 0};
+    CHECK_SAME_BITS(spread_between(&none, &none, either), 0.0);
+    CHECK_SAME_BITS(spread_between(&none, &left, either), 0.0);
+    CHECK_SAME_BITS(spread_between(&left, &none, either), 0.0);
+    CHECK_SAME_BITS(spread_between(&still, &left, either), 2.0);
+    CHECK_SAME_BITS(spread_between(&left, &right, either), sqrt(41.0));
+    CHECK_SAME_BITS(spread_between(&right, &left, either), sqrt(41.0));
+    CHECK_SAME_BITS(spread_between(&near, &still, either), 1.1); /* the circle, not the corner of the box */
+    CHECK_SAME_BITS(spread_between(&left, &left, either), 1.0);
 }
 
-TEST(those_of_touching_cells_and_any_two_have_margins_of_their_own)
+TEST(what_parts_them_does_not_count)
+{
+    struct spread a = spread_of(0, -1, 1, 0, 10), b = spread_of(3, 2, 5, 4, 10), none = spread_none();
+    const int east[2] = {1, 0}, west[2] = {-1, 0}, north[2] = {0, 1}, south_west[2] = {-1, -1}, north_east[2] = {1, 1};
+    CHECK_SAME_BITS(spread_between(&a, &b, east), 5.0); /* b went east, and north or south of a */
+    CHECK_SAME_BITS(spread_between(&a, &b, west), sqrt(50.0));
+    CHECK_SAME_BITS(spread_between(&a, &b, north), 5.0);
+    CHECK_SAME_BITS(spread_between(&a, &b, south_west), sqrt(50.0));
+    CHECK_SAME_BITS(spread_between(&a, &b, north_east), 0.0);
+    CHECK_SAME_BITS(spread_between(&b, &a, south_west), 0.0);
+    CHECK_SAME_BITS(spread_between(&b, &a, north_east), sqrt(50.0));
+    CHECK_SAME_BITS(spread_between(&a, &none, east), 0.0);
+    CHECK_SAME_BITS(spread_between(&none, &a, south_west), 0.0);
+}
+
+TEST(close_ones_and_any_two_have_margins_of_their_own)
 {
     struct config c = {0};
     struct spread wave = spread_of(0, 0, 2.5, 0, 2.5);
     struct rebuild_plan plan;
     rebuild_plan_start(&plan, &c, (struct margins){.close = 1.0, .wide = 3.0});
     CHECK(!rebuild_plan_step(&plan, 0.4, NULL));
-    CHECK(rebuild_plan_step(&plan, 0.2, NULL)); /* 1.2: nothing says that those of touching cells moved alike */
+    CHECK(rebuild_plan_step(&plan, 0.2, NULL)); /* 1.2: nothing says that neighbours moved alike */
     wave.close = 0.3;
     CHECK(!rebuild_plan_step(&plan, 0.4, &wave)); /* 0.3, and 0.4 for mirrored elements a step behind */
     CHECK_NEAR(plan.close, 0.7, 1e-15);
@@ -138,8 +154,8 @@ TEST(those_of_touching_cells_and_any_two_have_margins_of_their_own)
     CHECK_NEAR(plan.approach, 2.5, 1e-15);
 }
 
-TEST_MAIN(CASE(cells_are_compared_by_their_boxes_and_circles),
-          CASE(those_of_touching_cells_and_any_two_have_margins_of_their_own),
+TEST_MAIN(CASE(bins_are_compared_by_their_boxes_and_circles),
+          CASE(what_parts_them_does_not_count), CASE(close_ones_and_any_two_have_margins_of_their_own),
           CASE(a_pair_approaches_by_no_more_than_box_and_circle_allow),
           CASE(a_survey_lowers_the_bound_and_never_raises_it),
           CASE(lists_last_while_twice_dumax_is_within_the_margin), CASE(every_k_steps_as_well),

@@ -1,8 +1,8 @@
 /* When lists, mirrors and owners are renewed (paper, section 4): the bookkeeping of dmax, and surveys.
  *
  * Lists hold every pair that was within a margin of interacting when they were built: dR, or more where elements only link
- * and touch. They are valid while no two elements of one cell, or of two cells that touch, have approached by more than
- * that, and no two others by more than a cell's edge exceeds the reach of interaction, which is several dR where that is contact.
+ * and touch. They are valid while no two elements that stood within R_c + dR of each other have approached by more than
+ * that, and no two others by more than R_c + dR exceeds the reach of interaction, which is several dR where that is contact.
  * What counts is relative: a body that moves as a whole uses nothing up, and one that is evenly strained no more
  * than its strain across two cells. The plan keeps upper bounds of both. They grow by twice the greatest displacement
  * dmax in every step, which costs nothing to know; when one would soon be spent, the elements' displacements since the
@@ -11,6 +11,7 @@
 #ifndef DM2_SIM_REBUILD_H
 #define DM2_SIM_REBUILD_H
 
+#include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -21,8 +22,8 @@
 struct spread {
     double low[2], high[2]; /* the least and greatest in x and y; of no element: infinite, low > high */
     double most;            /* the longest */
-    double close;           /* by how much two of them that stood in one cell or in two that touch can have approached at
-                             * most; infinite where that was not looked at */
+    double close;           /* by how much two of them that stood within R_c + dR of each other can have approached at most;
+                             * infinite where that was not looked at */
 };
 
 struct spread spread_none(void);
@@ -31,19 +32,30 @@ void spread_merge(struct spread *into, const struct spread *other);
 /* By how much two of the elements can have approached at most, cm. */
 double spread_approach(const struct spread *s);
 
-/* By how much two elements of touching cells can have approached, given the displacements in each cell, cm. */
-double spread_between(const struct spread *a, const struct spread *b);
+/* By how much an element of one set can have approached one of another at most, cm. toward: -1 or 1 where all of b stood on that
+ * side of all of a along x or y, so that what parts them does not count; 0: on either. */
+static inline double spread_between(const struct spread *a, const struct spread *b, const int toward[2])
+{
+    double apart[2], most = a->most + b->most;
+    for (int k = 0; k < 2; k++) {
+        double ab = a->high[k] - b->low[k], ba = b->high[k] - a->low[k];
+        apart[k] = toward[k] > 0 || (toward[k] == 0 && ab > ba) ? ab : ba;
+        apart[k] = apart[k] > 0.0 ? apart[k] : 0.0;
+    }
+    double diagonal = sqrt(apart[0] * apart[0] + apart[1] * apart[1]);
+    return diagonal < most ? diagonal : most;
+}
 
 /* By how much two elements that are not in the lists may approach before they can interact, cm; both at least dR. */
 struct margins {
-    double close; /* if they stood in one cell or in two that touch: the reach of the lists beyond that of interaction */
-    double wide;  /* any two others: how much longer than the reach of interaction a cell's edge is */
+    double close; /* if they stood within R_c + dR of each other: the reach of the lists beyond that of interaction */
+    double wide;  /* any two others: how much longer than the reach of interaction R_c + dR is */
 };
 
 struct rebuild_plan {
     struct margins margins;
     int64_t every;   /* also every so many steps; 0: never for that reason */
-    double close;    /* upper bound of what two elements of touching cells have approached since the last rebuild, cm */
+    double close;    /* upper bound of what two that stood within R_c + dR have approached since the last rebuild, cm */
     double approach; /* the same for any two */
     double last;     /* dmax of the last step, cm */
     int64_t steps;   /* steps since the last rebuild */

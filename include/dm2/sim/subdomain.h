@@ -78,8 +78,8 @@ enum dm2_status subdomain_move(struct subdomain *sd, double *dmax, struct measur
  * measure. DM2_NUMERIC: an element went non-finite or moved further than a cell edge in one step: id, step,
  * position. */
 
-/* The displacements of the owned elements since the last rebuild, for struct rebuild_plan; `close` is of the owned against
- * the mirrored ones too, as these were before the last move. After subdomain_move, before subdomain_sort_out or the next
+/* The displacements of the owned elements since the last rebuild, for struct rebuild_plan; `close` is of the mirrored
+ * ones too, as these were before the last move. After subdomain_move, before subdomain_sort_out or the next
  * subdomain_take_update. */
 void subdomain_survey(struct subdomain *sd, struct spread *out);
 
