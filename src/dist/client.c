@@ -36,6 +36,7 @@
 #include "dm2/sim/rebuild.h"
 #include "dm2/sim/subdomain.h"
 
+static const double LOOK_SECONDS = 5e-5;    /* for messages before sleeping; a server may need the processor */
 static const double CONNECT_SECONDS = 10.0; /* at most, to open one connection */
 static const double BUSY_SECONDS = 1.0;     /* of silence after HELLO until the user is told */
 static const double RETRY_SECONDS = 0.05;   /* between attempts to reach a server that was lost */
@@ -338,7 +339,7 @@ static enum dm2_status wait_for_any(struct client *c, double since, double wake_
     double until = fmin(wake_at, first);
     c->polls[*n] = (struct pollfd){.fd = c->course->stopping ? -1 : c->options->cancel, .events = POLLIN};
     double wait = until > now ? ceil(1000 * (until - now)) : 0;
-    int ready = socket_poll(c->polls, (nfds_t)*n + 1, wait < 1e9 ? (int)wait : 1000000000);
+    int ready = socket_poll(c->polls, (nfds_t)*n + 1, wait < 1e9 ? (int)wait : 1000000000, LOOK_SECONDS);
     if (ready < 0 && errno != EINTR && errno != EAGAIN)
         return dm2_fail(err, DM2_NET, "poll: %s", strerror(errno));
     bool asked = ready > 0 && c->polls[*n].revents != 0;

@@ -31,7 +31,7 @@ enum { IOV_MOST = 16 }; /* _XOPEN_IOV_MAX, what POSIX promises */
 
 enum { LISTEN_BACKLOG = 128 };
 
-static const double SPIN_SECONDS = 5e-5; /* about what it takes to wake a process up */
+static const double LOOK_SECONDS = 5e-5; /* about what it takes to wake a process up */
 
 struct deadline deadline_in(double seconds, int cancel)
 {
@@ -47,10 +47,10 @@ void socket_ignore_sigpipe(void)
     (void)sigaction(SIGPIPE, &ignore, NULL);
 }
 
-int socket_poll(struct pollfd *polls, nfds_t n, int timeout)
+int socket_poll(struct pollfd *polls, nfds_t n, int timeout, double look)
 {
-    if (timeout != 0) {
-        double end = clock_now() + SPIN_SECONDS;
+    if (timeout != 0 && look > 0.0) {
+        double end = clock_now() + (timeout > 0 ? fmin(look, 1e-3 * timeout) : look);
         do {
             int ready = poll(polls, n, 0);
             if (ready != 0)
@@ -67,7 +67,7 @@ enum dm2_status socket_wait(int fd, short events, struct deadline until, struct 
         struct pollfd wait[2] = {{.fd = fd, .events = events}, {.fd = until.cancel, .events = POLLIN}};
         double left = until.at - clock_now();
         int timeout = left <= 0 ? 0 : left > 1e6 ? 1000000000 : (int)ceil(left * 1000);
-        int ready = socket_poll(wait, until.cancel >= 0 ? 2 : 1, timeout);
+        int ready = socket_poll(wait, until.cancel >= 0 ? 2 : 1, timeout, LOOK_SECONDS);
         if (ready < 0 && errno != EINTR && errno != EAGAIN)
             return dm2_fail(err, DM2_NET, "poll: %s", strerror(errno));
         if (ready > 0 && until.cancel >= 0 && wait[1].revents != 0)

@@ -41,9 +41,10 @@ struct deadline deadline_in(double seconds, int cancel);
 /* A write to a closed connection is an error code, not a signal. */
 void socket_ignore_sigpipe(void);
 
-/* poll(), except that it looks for up to 50 us, letting other processes run in between, before it sleeps: what is awaited in a
- * time step mostly comes sooner than a sleeping process wakes up. Arguments, return value and errno as poll() has them. */
-int socket_poll(struct pollfd *polls, nfds_t n, int timeout);
+/* poll(), except that it looks for up to `look` seconds, letting other processes run in between, before it sleeps: what is
+ * awaited in a time step mostly comes sooner than a sleeping process wakes up. Other arguments, return value and errno as
+ * poll() has them. */
+int socket_poll(struct pollfd *polls, nfds_t n, int timeout, double look);
 
 /* Waits until `fd` can do `events` (POLLIN, POLLOUT). DM2_TIMEOUT, DM2_INTERRUPTED, DM2_NET; *err says only
  * what happened, the caller knows to whom. */
