@@ -42,7 +42,7 @@ endif
 BUILD    := build/$(FLAVOUR)
 # Only the release flavour fills bin/; the others keep their programs beside their objects.
 BIN      ?= $(if $(filter release,$(FLAVOUR)),bin,$(BUILD)/bin)
-LAYERS   := base sim net dist model plot
+LAYERS   := base deck engine output net cluster performance plot
 LIB_SRC  := $(foreach l,$(LAYERS),$(wildcard src/$(l)/*.c))
 LIB_OBJ  := $(LIB_SRC:%.c=$(BUILD)/%.o)
 APP_SRC  := $(wildcard src/app/*.c)

@@ -15,10 +15,10 @@
 #include "dm2/app/signals.h"
 #include "dm2/base/mem.h"
 #include "dm2/base/version.h"
-#include "dm2/dist/auth.h"
-#include "dm2/dist/client.h"
-#include "dm2/dist/hosts.h"
-#include "dm2/dist/report.h"
+#include "dm2/cluster/auth.h"
+#include "dm2/cluster/client.h"
+#include "dm2/cluster/hosts.h"
+#include "dm2/cluster/report.h"
 #include "dm2/net/socket.h"
 
 static const char PROGRAM[] = "dm2-client";

@@ -11,11 +11,11 @@
 #include "dm2/base/clock.h"
 #include "dm2/base/mem.h"
 #include "dm2/base/version.h"
-#include "dm2/dist/decomposition.h"
-#include "dm2/dist/report.h"
-#include "dm2/sim/rebuild.h"
-#include "dm2/sim/state_hash.h"
-#include "dm2/sim/subdomain.h"
+#include "dm2/cluster/decomposition.h"
+#include "dm2/cluster/report.h"
+#include "dm2/engine/rebuild.h"
+#include "dm2/output/state_hash.h"
+#include "dm2/engine/subdomain.h"
 
 static const char PROGRAM[] = "dm2-seq";
 

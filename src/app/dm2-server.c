@@ -14,9 +14,9 @@
 #include "dm2/app/run.h"
 #include "dm2/app/signals.h"
 #include "dm2/base/version.h"
-#include "dm2/dist/auth.h"
-#include "dm2/dist/messages.h"
-#include "dm2/dist/server.h"
+#include "dm2/cluster/auth.h"
+#include "dm2/cluster/messages.h"
+#include "dm2/cluster/server.h"
 #include "dm2/net/allow.h"
 #include "dm2/net/socket.h"
 

@@ -18,7 +18,7 @@
 #include "dm2/app/signals.h"
 #include "dm2/app/sweep.h"
 #include "dm2/base/version.h"
-#include "dm2/model/calibration.h"
+#include "dm2/performance/calibration.h"
 
 static const double SIZES[] = {1689, 5000, 10000, 25000, 50000, 100000, 200000};
 static const double SPACING_X = 0.04, SPACING_Y = 0.03464; /* of timing.dm2, cm */

@@ -13,7 +13,7 @@
 #include "dm2/base/mem.h"
 #include "dm2/base/number.h"
 #include "dm2/base/version.h"
-#include "dm2/model/calibration.h"
+#include "dm2/performance/calibration.h"
 
 static const double PAPER_ASPECT = 1.3571; /* of the study in section 7.2 */
 static const char *const CONSTANT_NAMES[MODEL_CONSTANTS] = {"dx", "dy", "lx", "ly", "k", "g"};

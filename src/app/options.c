@@ -7,7 +7,7 @@
 
 #include "dm2/base/mem.h"
 #include "dm2/base/number.h"
-#include "dm2/sim/words.h"
+#include "dm2/base/words.h"
 
 /* The table, and where in the command line the parser is. */
 struct parser {

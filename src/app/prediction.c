@@ -11,7 +11,7 @@
 
 #include "dm2/base/mem.h"
 #include "dm2/base/version.h"
-#include "dm2/dist/wire.h"
+#include "dm2/cluster/wire.h"
 
 /* An element that moves takes its pairs along: six on a hexagonal lattice. */
 enum { MIGRANT_BYTES = WIRE_ELEMENT + 6 * WIRE_PAIR };

@@ -8,8 +8,8 @@
 #include "dm2/base/mem.h"
 #include "dm2/base/text.h"
 #include "dm2/base/version.h"
-#include "dm2/sim/deck_digest.h"
-#include "dm2/sim/subdomain.h"
+#include "dm2/deck/digest.h"
+#include "dm2/engine/subdomain.h"
 
 void run_options_start(struct run_options *o, const char *program, int argc, char **argv,
                        struct option table[RUN_OPTIONS])

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "dm2/dist/inquiry.h"
+#include "dm2/cluster/inquiry.h"
 
 /* "busy with ADDR since TIME: rank 0 of 2 of DECK, step 7; 1 waits" */
 static void print_business(FILE *to, const struct report_message *m)

@@ -1,5 +1,5 @@
-# Who may include whom: app -> all; dist -> sim, net, base; sim, net, model, plot -> base. The same for the headers
-# below include/dm2, so that an arrow that is forbidden cannot be smuggled in through one.
+# Which layer may include from which: the table `may` below. The same holds for the headers below include/dm2, so that no header
+# carries a forbidden arrow.
 # labels: check
 . "$DM2_SRC/tests/lib.sh"
 
@@ -18,16 +18,18 @@ check_tree()
             return path
         }
         BEGIN {
-            may["app"] = " app dist sim net model plot base "
-            may["dist"] = " dist sim net base "
-            may["sim"] = " sim base "
+            may["app"] = " app cluster output engine deck net performance plot base "
+            may["cluster"] = " cluster output engine deck net base "
+            may["output"] = " output engine deck base "
+            may["engine"] = " engine deck base "
+            may["deck"] = " deck base "
             may["net"] = " net base "
-            may["model"] = " model base "
+            may["performance"] = " performance base "
             may["plot"] = " plot base "
             may["base"] = " base "
             while ((getline path < list) > 0) {
                 is_there[path] = 1
-                if (!(layer_of(path) in may)) print path ": is in no layer (base sim net dist model plot app)"
+                if (!(layer_of(path) in may)) print path ": is in no layer (base deck engine output net cluster performance plot app)"
             }
         }
         /^[ \t]*#[ \t]*include[ \t]*[<"]/ {
@@ -51,29 +53,31 @@ check_tree()
 }
 
 # The check itself, on a tree with each kind of mistake and some lines that are right.
-for layer in base sim net dist model plot app; do
+for layer in base deck engine output net cluster performance plot app; do
     mkdir -p "tree/src/$layer" "tree/include/dm2/$layer"
     : >"tree/include/dm2/$layer/x.h"
 done
-right='app:dist app:plot app:sim dist:sim dist:net dist:base sim:base sim:sim net:base model:base plot:base'
+right='app:cluster app:plot app:engine cluster:output cluster:engine cluster:deck cluster:net output:engine output:deck
+engine:deck engine:base engine:engine deck:base net:base performance:base plot:base'
 for arrow in $right; do
     printf '#include <stdio.h>\n#include "dm2/%s/x.h"\n' "${arrow#*:}" >>"tree/src/${arrow%:*}/x.c"
     printf '# include "dm2/%s/x.h"\n' "${arrow#*:}" >>"tree/include/dm2/${arrow%:*}/x.h"
 done
 check_tree tree >found
 [ ! -s found ] || { cat found; fail "the check finds fault with allowed includes"; }
-wrong='sim:net net:sim base:sim sim:dist net:dist sim:app dist:app plot:model model:sim plot:sim dist:plot base:app'
+wrong='deck:engine engine:output output:cluster output:net engine:net net:engine net:deck base:deck engine:cluster net:cluster
+engine:app cluster:app plot:performance performance:engine plot:output cluster:plot base:app'
 for arrow in $wrong; do
     for file in "src/${arrow%:*}/${arrow#*:}.c" "include/dm2/${arrow%:*}/${arrow#*:}.h"; do
         printf '  #  include "dm2/%s/x.h"\n' "${arrow#*:}" >"tree/$file"
         echo "$file" >>wrong
     done
 done
-echo '#include "../net/x.h"' >tree/src/sim/path.c
-echo '#include "missing.h"' >tree/src/sim/missing.c
-echo '#include <dm2/net/x.h>' >tree/src/sim/angle.c
+echo '#include "../net/x.h"' >tree/src/engine/path.c
+echo '#include "missing.h"' >tree/src/engine/missing.c
+echo '#include <dm2/net/x.h>' >tree/src/engine/angle.c
 : >tree/src/stray.c
-printf '%s\n' src/sim/path.c src/sim/missing.c src/sim/angle.c src/stray.c >>wrong
+printf '%s\n' src/engine/path.c src/engine/missing.c src/engine/angle.c src/stray.c >>wrong
 LC_ALL=C sort wrong >expected
 check_tree tree | sed -e 's/:.*//' | LC_ALL=C sort >found
 diff expected found || fail "the check does not find exactly the mistakes that were made"

@@ -3,7 +3,7 @@
 
 tcp=$DM2_BUILD/tools/tcp
 deck=$DM2_SRC/tests/decks/run/scatter.dm2
-version=$(sed -n 's/.*PROTOCOL_VERSION = \([0-9]*\).*/\1/p' "$DM2_SRC/include/dm2/dist/messages.h")
+version=$(sed -n 's/.*PROTOCOL_VERSION = \([0-9]*\).*/\1/p' "$DM2_SRC/include/dm2/cluster/messages.h")
 own=$(printf '\\%03o\\000' "$version") # as printf takes it
 lines=0
 

@@ -45,7 +45,7 @@ check_tree()
             unsafe = before "(" unsafe ")[ \t]*\\("
             inexact = before "(" inexact ")[fl]?[ \t]*\\("
         }
-        FNR == 1 { close_file(); file = FILENAME; opens = /^\/\*/; inside = 0; numbers = file ~ /\/(base|sim)\// }
+        FNR == 1 { close_file(); file = FILENAME; opens = /^\/\*/; inside = 0; numbers = file ~ /\/(base|deck|engine|output)\// }
         {
             lines = FNR
             if (length($0) > 132) finding("longer than 132 columns")
@@ -68,7 +68,7 @@ check_tree()
 }
 
 # The check itself, on one mistake at a time.
-mkdir -p tree/src/sim tree/src/net tree/src/app tree/include/dm2/sim
+mkdir -p tree/src/engine tree/src/net tree/src/app tree/include/dm2/engine
 check_one() # FILE, EXPECTED NUMBER OF FINDINGS, TEXT
 {
     printf '/* An idea. */\n%s\n' "$3" >"tree/$1"
@@ -82,23 +82,23 @@ check_one src/net/x.c 1 'strcpy(a, b);'
 check_one src/net/x.c 1 '    printf("%d", 1);'
 check_one src/net/x.c 1 'exit(1);'
 check_one src/app/x.c 0 'printf("system(1)"); exit(1);'
-check_one src/sim/x.c 0 'snprintf(b, 1, "exp(%d)", a); dm2_exp(x); /* exp(x) */ s.log(x); "a\"b pow(1)"; // sin(x)'
-check_one src/sim/x.c 0 '/* first
+check_one src/engine/x.c 0 'snprintf(b, 1, "exp(%d)", a); dm2_exp(x); /* exp(x) */ s.log(x); "a\"b pow(1)"; // sin(x)'
+check_one src/engine/x.c 0 '/* first
  exp(x)
 */ x = sqrt(x);'
-check_one src/sim/x.c 1 '/* x */ y = exp(x);'
-check_one src/sim/x.c 1 'return 2*pow (x, 2);'
-check_one src/sim/x.c 1 'y = cosf(x);'
-check_one src/sim/x.c 1 'float y;'
+check_one src/engine/x.c 1 '/* x */ y = exp(x);'
+check_one src/engine/x.c 1 'return 2*pow (x, 2);'
+check_one src/engine/x.c 1 'y = cosf(x);'
+check_one src/engine/x.c 1 'float y;'
 check_one src/net/x.c 0 'double y = log(x);'
-check_one src/sim/x.c 1 'static __int128 t;'
-check_one src/sim/x.c 1 '#include <immintrin.h>'
+check_one src/engine/x.c 1 'static __int128 t;'
+check_one src/engine/x.c 1 '#include <immintrin.h>'
 check_one src/net/x.c 1 '# include <pthread.h>'
 check_one src/net/x.c 1 "$(printf '%0133d' 0)"
-echo 'int x_count(void);' >tree/include/dm2/sim/x.h
+echo 'int x_count(void);' >tree/include/dm2/engine/x.h
 check_tree tree >found
 [ "$(wc -l <found)" -eq 1 ] || { cat found; fail "a header without a comment is not noticed"; }
-rm tree/include/dm2/sim/x.h
+rm tree/include/dm2/engine/x.h
 
 # And now the project.
 check_tree "$DM2_SRC" >found

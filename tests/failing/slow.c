@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <time.h>
 
-#include "dm2/sim/pulse.h"
+#include "dm2/engine/pulse.h"
 
 void __real_pulse_beat(const struct pulse *pulse);
 void __wrap_pulse_beat(const struct pulse *pulse);

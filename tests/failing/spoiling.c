@@ -3,7 +3,7 @@
  * becomes (nan, inf, 1e300...). */
 #include <stdlib.h>
 
-#include "dm2/sim/subdomain.h"
+#include "dm2/engine/subdomain.h"
 
 void __real_subdomain_pack_update(const struct subdomain *sd, int dest, double *out);
 void __wrap_subdomain_pack_update(const struct subdomain *sd, int dest, double *out);

@@ -1,7 +1,7 @@
 /* Any text as a calibration file. */
 #include "fuzz.h"
 
-#include "dm2/model/calibration.h"
+#include "dm2/performance/calibration.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {

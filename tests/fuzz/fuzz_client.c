@@ -20,9 +20,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "dm2/dist/client.h"
-#include "dm2/dist/inquiry.h"
-#include "dm2/dist/messages.h"
+#include "dm2/cluster/client.h"
+#include "dm2/cluster/inquiry.h"
+#include "dm2/cluster/messages.h"
 
 enum { RAW = 254, NEXT_SERVER = 253, SERVERS = 2, CONNECTIONS_MOST = 16, MOST = 100000 };
 

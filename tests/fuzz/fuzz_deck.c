@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dm2/sim/deck.h"
+#include "dm2/deck/deck.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {

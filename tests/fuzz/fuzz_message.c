@@ -1,8 +1,8 @@
 /* The first byte chooses a message, or what segments and states are made of; the rest is its payload. */
 #include "fuzz.h"
 
-#include "dm2/dist/messages.h"
-#include "dm2/dist/wire.h"
+#include "dm2/cluster/messages.h"
+#include "dm2/cluster/wire.h"
 
 enum { PARCEL = 100, RECORDS = 101 };
 

@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "dm2/base/csv.h"
-#include "dm2/dist/hosts.h"
+#include "dm2/cluster/hosts.h"
 #include "dm2/net/allow.h"
 #include "dm2/plot/vtp_reader.h"
 

@@ -8,9 +8,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "dm2/dist/lobby.h"
-#include "dm2/dist/messages.h"
-#include "dm2/dist/server.h"
+#include "dm2/cluster/lobby.h"
+#include "dm2/cluster/messages.h"
+#include "dm2/cluster/server.h"
 #include "dm2/net/frame.h"
 
 enum { MOST = 60000 }; /* fits into the socket's buffer */

@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include "dm2/base/crc32c.h"
-#include "dm2/sim/state.h"
+#include "dm2/output/state.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {

@@ -18,7 +18,7 @@
 #include <unistd.h>
 
 #include "dm2/base/fingerprint.h"
-#include "dm2/dist/messages.h"
+#include "dm2/cluster/messages.h"
 #include "dm2/net/socket.h"
 
 static struct deadline until;

@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include "check.h"
-#include "dm2/sim/deck.h"
+#include "dm2/deck/deck.h"
 
 struct loaded {
     enum dm2_status status;

@@ -6,10 +6,10 @@
 #include "check.h"
 #include "deck_help.h"
 
-#include "dm2/dist/decomposition.h"
-#include "dm2/sim/model.h"
-#include "dm2/sim/rebuild.h"
-#include "dm2/sim/subdomain.h"
+#include "dm2/cluster/decomposition.h"
+#include "dm2/engine/model.h"
+#include "dm2/engine/rebuild.h"
+#include "dm2/engine/subdomain.h"
 
 enum { ENGINE_RANKS_MAX = 64 };
 

@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dm2/sim/config.h"
-#include "dm2/sim/element.h"
+#include "dm2/deck/config.h"
+#include "dm2/engine/element.h"
 
 struct fake {
     struct config config;

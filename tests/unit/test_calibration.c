@@ -5,7 +5,7 @@
 #include <stdint.h>
 #include <unistd.h>
 
-#include "dm2/model/calibration.h"
+#include "dm2/performance/calibration.h"
 
 static const char HOST[] = "ws1, \"the left\" one", VERSION[] = "1.0.0";
 

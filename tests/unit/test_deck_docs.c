@@ -2,7 +2,7 @@
  * meaning that the schema gives; and no keyword that the schema does not have. */
 #include "check.h"
 #include "deck_help.h"
-#include "dm2/sim/deck_schema.h"
+#include "dm2/deck/schema.h"
 
 static void value_text(const struct deck_key *key, char *out, size_t size)
 {

@@ -11,8 +11,8 @@
 #include "check.h"
 #include "deck_help.h"
 #include "dm2/base/mem.h"
-#include "dm2/sim/deck.h"
-#include "dm2/sim/model.h"
+#include "dm2/deck/deck.h"
+#include "dm2/engine/model.h"
 
 enum { MANY = 512 };
 

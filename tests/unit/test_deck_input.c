@@ -5,8 +5,8 @@
 #include "check.h"
 #include "deck_help.h"
 #include "dm2/base/mem.h"
-#include "dm2/sim/deck.h"
-#include "dm2/sim/shape.h"
+#include "dm2/deck/deck.h"
+#include "dm2/deck/shape.h"
 
 static enum dm2_status load_file(const char *path, const char *define, struct config *config)
 {

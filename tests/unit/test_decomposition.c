@@ -2,7 +2,7 @@
 #include "check.h"
 
 #include "dm2/base/mem.h"
-#include "dm2/dist/decomposition.h"
+#include "dm2/cluster/decomposition.h"
 
 static struct grid make_grid(int cx, int cy, double lx, double ly, bool px, bool py)
 {

@@ -1,7 +1,7 @@
 /* The paper's equations against the paper's own numbers, and what must hold among them. */
 #include "check.h"
 
-#include "dm2/model/equations.h"
+#include "dm2/performance/equations.h"
 
 static const double SIZES[] = {1, 171, 1689, 10000, 100000, 200000, 1e9};
 static const double ASPECTS[] = {0.01, 0.5, 1, 1.3571, 2, 3.7, 4, 8, 100};

@@ -1,7 +1,7 @@
 /* A finished run beside the model: the parts of the difference make it up, and the largest one is named. */
 #include "check.h"
 
-#include "dm2/model/explain.h"
+#include "dm2/performance/explain.h"
 
 /* Two servers of 10 ms each in all, 100 mirrored elements of 50 bytes. */
 static struct explain_input example(struct explain_server server[2])

@@ -1,7 +1,7 @@
 /* Least squares against lines known beforehand and against sums worked out by hand. */
 #include "check.h"
 
-#include "dm2/model/fit.h"
+#include "dm2/performance/fit.h"
 
 enum { POINTS = 9 };
 

@@ -5,8 +5,8 @@
 #include <stdint.h>
 
 #include "dm2/app/options.h"
-#include "dm2/dist/hosts.h"
-#include "dm2/dist/messages.h"
+#include "dm2/cluster/hosts.h"
+#include "dm2/cluster/messages.h"
 
 static bool quiet, verbose;
 static const char *output;

@@ -9,7 +9,7 @@
 #include "dm2/plot/picture.h"
 #include "dm2/plot/svg.h"
 #include "dm2/plot/xml.h"
-#include "dm2/sim/snapshot.h"
+#include "dm2/output/snapshot.h"
 
 static char *well_formed(const char *name, size_t *size)
 {

@@ -2,8 +2,8 @@
  * each of its options against what it says. */
 #include "check.h"
 
-#include "dm2/dist/decomposition.h"
-#include "dm2/model/predict.h"
+#include "dm2/cluster/decomposition.h"
+#include "dm2/performance/predict.h"
 
 static const struct predict_options PAPER_FORM = {0}, GENERAL = {.general = true};
 

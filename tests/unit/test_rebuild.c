@@ -1,7 +1,7 @@
 /* dmax and dumax: when lists must be renewed. */
 #include "check.h"
 
-#include "dm2/sim/rebuild.h"
+#include "dm2/engine/rebuild.h"
 
 static const struct margins both = {.close = 1.0, .wide = 1.0};
 

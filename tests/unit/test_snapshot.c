@@ -6,7 +6,7 @@
 #include "dm2/base/number.h"
 #include "dm2/plot/vtp_reader.h"
 #include "dm2/plot/xml.h"
-#include "dm2/sim/snapshot.h"
+#include "dm2/output/snapshot.h"
 
 static struct snapshot snapshot_of(const struct fake *f)
 {

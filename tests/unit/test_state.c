@@ -5,7 +5,7 @@
 
 #include "dm2/base/crc32c.h"
 #include "dm2/base/fingerprint.h"
-#include "dm2/sim/state.h"
+#include "dm2/output/state.h"
 
 static const uint8_t digest[STATE_DIGEST_BYTES] = {1, 2, 3, 0xff, 5};
 

@@ -14,9 +14,9 @@
 #include "dm2/base/clock.h"
 #include "dm2/base/fingerprint.h"
 #include "dm2/base/random.h"
-#include "dm2/dist/lobby.h"
-#include "dm2/dist/messages.h"
-#include "dm2/dist/server.h"
+#include "dm2/cluster/lobby.h"
+#include "dm2/cluster/messages.h"
+#include "dm2/cluster/server.h"
 
 
 static const double HANDSHAKE = 2;

@@ -1,9 +1,9 @@
 /* Records and messages as bytes: out and in again, their sizes, and every cut and changed byte. */
 #include "check.h"
 
-#include "dm2/dist/messages.h"
-#include "dm2/dist/state_merge.h"
-#include "dm2/dist/wire.h"
+#include "dm2/cluster/messages.h"
+#include "dm2/cluster/state_merge.h"
+#include "dm2/cluster/wire.h"
 
 static const struct wire_limits limits = {.elements = 1000, .bodies = 2, .kinds = 3};
 

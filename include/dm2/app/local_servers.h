@@ -6,7 +6,7 @@
 #include <sys/types.h>
 
 #include "dm2/base/status.h"
-#include "dm2/dist/hosts.h"
+#include "dm2/cluster/hosts.h"
 
 struct local_server {
     pid_t pid;

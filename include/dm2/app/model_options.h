@@ -7,7 +7,7 @@
 
 #include "dm2/app/options.h"
 #include "dm2/base/status.h"
-#include "dm2/model/predict.h"
+#include "dm2/performance/predict.h"
 
 enum { MODEL_OPTIONS = 24, MODEL_CONSTANTS = 6 };
 

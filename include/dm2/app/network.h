@@ -7,8 +7,8 @@
 #include <stdint.h>
 
 #include "dm2/base/status.h"
-#include "dm2/dist/client.h"
-#include "dm2/model/fit.h"
+#include "dm2/cluster/client.h"
+#include "dm2/performance/fit.h"
 
 enum { NETWORK_SIZES = 8, NETWORK_TURNS = 400 };
 

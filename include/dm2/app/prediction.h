@@ -6,9 +6,9 @@
 
 #include "dm2/app/network.h"
 #include "dm2/base/status.h"
-#include "dm2/dist/report.h"
-#include "dm2/model/calibration.h"
-#include "dm2/model/explain.h"
+#include "dm2/cluster/report.h"
+#include "dm2/performance/calibration.h"
+#include "dm2/performance/explain.h"
 
 enum { PREDICTION_TEXT = 1024 };
 

@@ -10,12 +10,12 @@
 #include "dm2/app/progress.h"
 #include "dm2/base/sha256.h"
 #include "dm2/base/status.h"
-#include "dm2/dist/decomposition.h"
-#include "dm2/sim/config.h"
-#include "dm2/sim/deck.h"
-#include "dm2/sim/model.h"
-#include "dm2/sim/results.h"
-#include "dm2/sim/state.h"
+#include "dm2/cluster/decomposition.h"
+#include "dm2/deck/config.h"
+#include "dm2/deck/deck.h"
+#include "dm2/engine/model.h"
+#include "dm2/output/results.h"
+#include "dm2/output/state.h"
 
 struct run_options {
     const char *program;

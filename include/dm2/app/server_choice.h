@@ -8,8 +8,8 @@
 #include "dm2/app/network.h"
 #include "dm2/app/options.h"
 #include "dm2/base/status.h"
-#include "dm2/dist/auth.h"
-#include "dm2/dist/hosts.h"
+#include "dm2/cluster/auth.h"
+#include "dm2/cluster/hosts.h"
 
 enum { SERVER_CHOICE_OPTIONS = 4, SERVER_CHOICE_COUNTS = 32, SERVER_CHOICE_MOST = 1024 };
 

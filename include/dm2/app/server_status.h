@@ -5,8 +5,8 @@
 #include <stdio.h>
 
 #include "dm2/base/status.h"
-#include "dm2/dist/auth.h"
-#include "dm2/dist/hosts.h"
+#include "dm2/cluster/auth.h"
+#include "dm2/cluster/hosts.h"
 
 /* Asks all of them, one after the other, each for `seconds` at most, and prints a line for each. DM2_NET where one could not
  * be used, DM2_INTERRUPTED. */

@@ -6,7 +6,7 @@
 
 #include "dm2/app/server_choice.h"
 #include "dm2/base/status.h"
-#include "dm2/dist/report.h"
+#include "dm2/cluster/report.h"
 
 enum { SWEEP_OPTIONS = 5, SWEEP_SIZES = 32, SWEEP_PATH = 1024 };
 

@@ -1,0 +1,31 @@
+/* The cell grid (paper, sections 2.1 and 4): the whole domain in cells whose edges strictly exceed
+ * R_c + dR, so that an element interacts only with those in its own and the eight surrounding cells. */
+#ifndef DM2_BASE_GRID_H
+#define DM2_BASE_GRID_H
+
+#include <stdbool.h>
+
+#include "dm2/base/status.h"
+
+struct grid {
+    int cx, cy;           /* columns and rows; c = cx * cy cells, numbered row by row: cell = j * cx + i */
+    double lx, ly;        /* L_x, L_y, cell edges, cm */
+    double origin[2];     /* lower left corner of the domain, cm */
+    double size[2];       /* of the domain, cm */
+    bool periodic[2];
+};
+
+/* The grid with the most cells whose edges strictly exceed `reach` = R_c + dR, at least one each way.
+ * DM2_DECK where a periodic side has fewer than three cells (an element could meet another twice) or the
+ * grid would have more than 2^30 cells. */
+enum dm2_status grid_build(const double origin[2], const double size[2], const bool periodic[2], double reach,
+                           struct grid *out, struct dm2_error *err);
+
+/* The cell of a position. Outside the grid it is the nearest edge cell, so that nothing is lost. */
+int grid_cell(const struct grid *g, double x, double y);
+
+/* The distinct cells around `cell`, itself not among them; across periodic sides too. Writes up to 8 to
+ * out and returns how many. */
+int grid_neighbours(const struct grid *g, int cell, int out[8]);
+
+#endif

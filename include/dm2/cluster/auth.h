@@ -1,0 +1,56 @@
+/* How client and server prove to each other that they hold the same key (docs/security.md, docs/protocol.md).
+ *
+ *     client                          server
+ *     KNOCK  client nonce   ->
+ *                           <-        CHALLENGE  server nonce
+ *     PROOF  code           ->
+ *                           <-        GRANT  code
+ *
+ * A code is HMAC-SHA-256 under the key of a label that names its maker's role, the protocol version and both nonces:
+ * a code of an earlier session has other nonces, one that is sent back has the other role. The frames that follow
+ * have tags by keys that are made in the same way, one per direction. */
+#ifndef DM2_CLUSTER_AUTH_H
+#define DM2_CLUSTER_AUTH_H
+
+#include <stdint.h>
+
+#include "dm2/base/sha256.h"
+#include "dm2/base/siphash.h"
+#include "dm2/base/status.h"
+
+enum { AUTH_KEY = 32, AUTH_NONCE = 32, AUTH_CODE = SHA256_BYTES };
+
+struct auth_key {
+    unsigned char bytes[AUTH_KEY];
+};
+
+/* Both nonces of a session. */
+struct auth_nonces {
+    unsigned char client[AUTH_NONCE], server[AUTH_NONCE];
+};
+
+enum auth_role {
+    AUTH_CLIENT,
+    AUTH_SERVER,
+    AUTH_ASKER /* a client that only asks for the status: its code opens no session of the other kind, and the reverse */
+};
+
+/* Makes a key of random bytes and writes it to a new file that only its owner can read. DM2_USAGE where the file
+ * exists already, DM2_IO. */
+enum dm2_status auth_key_create(const char *path, struct dm2_error *err);
+
+/* DM2_USAGE, with what to do, where the file cannot be read, can be read by others, or holds no key. */
+enum dm2_status auth_key_read(const char *path, struct auth_key *key, struct dm2_error *err);
+
+/* Random bytes of the system. DM2_IO. */
+enum dm2_status auth_nonce(unsigned char nonce[AUTH_NONCE], struct dm2_error *err);
+
+/* The code by which `role` proves that it has the key. */
+void auth_code(const struct auth_key *key, enum auth_role role, uint16_t version,
+               const struct auth_nonces *nonces, unsigned char code[AUTH_CODE]);
+
+/* The key for the tags of what `role` sends. */
+void auth_session_key(const struct auth_key *key, enum auth_role role, uint16_t version,
+                      const struct auth_nonces *nonces, unsigned char out[SIPHASH_KEY]);
+
+#endif

@@ -1,0 +1,226 @@
+/* What a deck says, in base units, checked but not yet worked out.
+ *
+ * `deck_load` (dm2/deck/deck.h) fills a struct config; `model_build` (dm2/engine/model.h) turns it into the
+ * tables that the engine computes with. Base units: cm, g, us, K; so velocity cm/us, stress Mbar,
+ * energy g cm2/us2 (1e5 J). The model is two-dimensional with a depth of h = 1 cm.
+ *
+ * A double that the deck did not set is NaN where the comment says "NaN: ...". */
+#ifndef DM2_DECK_CONFIG_H
+#define DM2_DECK_CONFIG_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "dm2/base/status.h"
+
+enum { NAME_MAX_LENGTH = 31, PROBE_MAX = 8, PROFILE_MAX = 8, MIX_MAX = 4, POLYGON_MAX = 64 };
+typedef char name_text[NAME_MAX_LENGTH + 1];
+
+enum potential_kind { POTENTIAL_QUADRATIC, POTENTIAL_MORSE, POTENTIAL_LENNARD_JONES };
+enum calibration_kind { CALIBRATION_UNIAXIAL, CALIBRATION_BULK };
+enum scope_kind { SCOPE_LINKED, SCOPE_ALL };
+enum search_kind { SEARCH_CELLS_AND_LISTS, SEARCH_LISTS, SEARCH_CELLS };
+enum balance_kind { BALANCE_SPACE, BALANCE_PARTICLES };
+enum lattice_kind { LATTICE_HEXAGONAL, LATTICE_SQUARE };
+enum motion_kind { MOTION_FREE, MOTION_FIXED, MOTION_DRIVEN };
+enum transition_kind { TRANSITION_PRESSURE, TRANSITION_TEMPERATURE };
+enum reaction_kind { REACTION_STOICHIOMETRIC, REACTION_NON_STOICHIOMETRIC };
+enum structure_kind { STRUCTURE_CRYSTAL, STRUCTURE_POLYCRYSTAL, STRUCTURE_DISCS, STRUCTURE_POLYGONS };
+enum shape_kind { SHAPE_RECTANGLE, SHAPE_DISC, SHAPE_POLYGON };
+
+/* material NAME { ... } */
+struct material_config {
+    name_text name;
+    double rho0;      /* density, g/cm3; NaN: `mass` is given instead */
+    double mass;      /* mass of one element, g; NaN: from rho0 and the radius */
+    double c0;        /* bulk sound speed of Us = c0 + s up, cm/us; NaN: interaction gives k or epsilon */
+    double s;         /* slope of Us = c0 + s up; NaN: interaction gives shape */
+    double shear;     /* shear modulus G, Mbar; NaN: no shear stiffness from the material */
+    double yield;     /* flow stress Y, Mbar: shear yields at Y/2 to Y/sqrt(3); NaN: elastic */
+    double tensile;   /* tensile strength Yt0, Mbar; NaN: links only break at link_break */
+    double softening; /* exponent n of Yt(T), default 1 */
+    double t0;        /* reference temperature T0, K, default 300 */
+    double tm;        /* melting temperature, K; NaN: no softening with temperature */
+    double cp;        /* heat capacity, cm2/us2/K; NaN: heat is counted but T stays */
+    double kappa;     /* conductivity, g cm/us3/K; 0 by default */
+};
+
+/* phase MATERIAL NAME { ... }: a further phase of a material, and the line at which it forms. Its line is
+ * P = p_line + dp_dt (T - t_line), or T = t_line + dt_dp (P - p_line); the phase lies above it. */
+struct phase_config {
+    name_text name;
+    int material;
+    name_text from_name;  /* the phase that it forms from; "": the material as its own block gives it */
+    int from;             /* the same: index of a phase before this one, -1: the material */
+    enum transition_kind transition;
+    bool reversible;      /* default yes */
+    double p_line;        /* Mbar, default 0 */
+    double t_line;        /* K */
+    double dp_dt, dt_dp;  /* Mbar/K, K/Mbar, default 0 */
+    double hysteresis_p;  /* the way back is so much below the line, Mbar, default 0 */
+    double hysteresis_t;  /* or K; NaN: 1.1 times latent heat over heat capacity */
+    double latent;        /* heat taken up at t_line, cm2/us2 */
+    struct material_config state; /* its constants; where the deck gives none, those of the phase it forms from */
+};
+
+/* reaction NAME { ... }: A + B -> product in contacting elements. */
+struct reaction_config {
+    name_text name;
+    int reactant[2], product;  /* materials; -1: unknown */
+    enum reaction_kind kind;
+    double masses[2];          /* that react with each other, in any unit; NaN: non-stoichiometric */
+    double k0;                 /* rate per facet, g/cm2/us */
+    double ea;                 /* activation energy, g cm2/us2/mol */
+    double heat;               /* set free per mass of product, cm2/us2 */
+    double threshold;          /* an element with less of its reactants than this becomes the product material */
+};
+
+/* What a pair of elements does to each other; resolved for two materials and a relation. */
+struct interaction_config {
+    enum potential_kind potential;     /* default Morse */
+    enum calibration_kind calibration; /* default uniaxial */
+    enum scope_kind scope;             /* default linked */
+    double k;                          /* stiffness at r0, Mbar cm; NaN: from the materials' Hugoniot data */
+    double shape;                      /* alpha r0 of the Morse potential; NaN: from S */
+    double epsilon, sigma;             /* Lennard-Jones, energy and length; NaN: from k and r0 */
+    double cutoff;                     /* of scope `all`, cm; NaN: r_c */
+    double zeta;                       /* fraction of critical central damping, default 0 */
+    double a_p, a_t;                   /* its change with P (1/Mbar) and T (1/K), default 0 */
+    double ct_ratio;                   /* tangential viscosity c_t / (2 sqrt(k m_eff)), default 0 */
+    double kt_ratio;                   /* kt / kn; NaN: from G */
+    double mu;                         /* dry friction, default 0 */
+    double yield, tensile;             /* override of the weaker material's Y and Yt0; NaN: none */
+    double link_form, link_break;      /* in r0; defaults 0 (no welding) and 1.05 */
+    bool linked;        /* do lattice neighbours start linked; default yes in one grain, else no */
+    double conductance; /* factor on kappa_ij, default 1 */
+};
+
+/* How two elements stand to each other: which interface their pair is. */
+enum relation { RELATION_SAME_GRAIN, RELATION_OTHER_GRAIN, RELATION_OTHER_BODY, RELATION_COUNT };
+
+struct shape_config {
+    enum shape_kind kind;
+    double box[4];     /* rectangle: x0 y0 x1 y1, half-open: x0 <= x < x1; of the centre of an element */
+    double centre[2];  /* disc */
+    double radius;     /* disc */
+    size_t n_vertices; /* polygon */
+    double vertex[POLYGON_MAX][2];
+};
+
+/* body NAME { ... }: a shape filled with elements on a lattice. */
+struct body_config {
+    name_text name;
+    struct shape_config shape;
+    enum lattice_kind lattice;
+    enum structure_kind structure; /* one crystal, a polycrystal, a powder of discs or of polygons */
+    double grain_size;             /* mean diameter of grains, cm; NaN for a crystal */
+    double grain_spread;           /* of a powder: diameters are uniform in grain_size (1 +- spread) */
+    double solid_fraction;         /* of a powder: area of the grains in that of the shape; NaN otherwise */
+    char *packing_place;           /* where the deck has that, for config_fail; NULL: no powder, or unknown */
+    double missing_links;          /* fraction of the body's own first links that are not there */
+    double spacing;                /* d, cm */
+    double row_spacing;            /* cm; default sqrt(3)/2 d, or d on the square lattice */
+    double origin[2];              /* where one site lies, cm; rows are counted from there */
+    double angle;                  /* of the rows against x, radians, default 0 */
+    double radius;                 /* R of the elements, cm; default d/2 */
+    size_t n_mix;                  /* materials and their volume fractions; the fractions sum to 1 */
+    int mix_material[MIX_MAX];
+    double mix_fraction[MIX_MAX];
+    uint64_t seed; /* of all that is random in the body */
+    enum motion_kind
+        motion;         /* free, fixed in its place, or driven: `velocity` for ever, whatever the forces */
+    double velocity[2]; /* cm/us */
+    double jitter;      /* each velocity component is uniform in +-jitter about it, cm/us; default 0 */
+    double temperature; /* K, default 300 */
+};
+
+/* void NAME { ... }: elements of the body, or of any body, whose centre would lie in the shape are left out.
+ */
+struct void_config {
+    name_text name;
+    struct shape_config shape;
+    int body; /* -1: any */
+};
+
+/* flaw NAME { ... }: a line across which there are no first links, within the body or within and between any.
+ */
+struct flaw_config {
+    name_text name;
+    double line[4]; /* x0 y0 x1 y1, cm */
+    int body;       /* -1: any */
+};
+
+/* probe NAME { region = x0 y0 x1 y1 }: the elements that start there; their mean position and velocity
+ * are columns of history.csv. */
+struct probe_config {
+    name_text name;
+    double box[4];
+};
+
+enum axis_kind { AXIS_X, AXIS_Y };
+
+/* profile NAME { axis = x|y ... }: means over bins along an axis, in profile-NAME.csv. */
+struct profile_config {
+    name_text name;
+    enum axis_kind axis;
+    int64_t bins;    /* 1 to 10000 */
+    double range[2]; /* cm; default the domain */
+    int64_t every;   /* steps between profiles, default 1/20 of the run, at least 1 */
+};
+
+struct output_config {
+    int64_t history_every;  /* steps between rows of history.csv, default 1/200 of the run, at least 1 */
+    int64_t snapshot_every; /* 0: none by interval */
+    int64_t checkpoint_every; /* steps between checkpoints; 0: none by interval */
+    size_t n_snapshot_at;
+    int64_t *snapshot_at; /* further steps, ascending, without repeats */
+    bool vtp, xyz;        /* formats; default vtp */
+    bool strain;          /* measure the strain of elements; default no */
+};
+
+struct config {
+    double origin[2], size[2]; /* of the domain, cm */
+    bool periodic[2];
+    double r_c, delta_r; /* R_c and the margin dR of the lists, cm */
+    enum search_kind search;
+    int64_t rebuild_every; /* 0: when dumax says so; K: also every K steps */
+    enum balance_kind balance;
+    double dt; /* us */
+    char *dt_place; /* where the deck has it, for config_fail; NULL: unknown */
+    int64_t steps;
+    double gravity[2]; /* body acceleration, cm/us2 */
+    size_t n_materials, n_phases, n_reactions, n_bodies, n_probes, n_profiles, n_voids, n_flaws;
+    struct material_config *materials;
+    struct phase_config *phases;       /* in deck order: kind n_materials + i is phase i */
+    struct reaction_config *reactions; /* none or one */
+    struct body_config *bodies;
+    struct probe_config *probes;
+    struct profile_config *profiles;
+    struct void_config *voids;
+    struct flaw_config *flaws;
+    struct output_config output;
+    struct interaction_rule *rules; /* read with config_interaction */
+    size_t n_rules;
+};
+
+/* The interaction of materials a and b (indices; the order does not matter) standing in `relation`:
+ * the defaults above, then each matching rule from the least to the most specific:
+ * `interaction {}`, `interface grain|body {}`, `interaction A B {}`, `interface grain|body A B {}`. */
+struct interaction_config config_interaction(const struct config *c, int a, int b, enum relation relation);
+
+/* Name of a kind of element: its material, and behind a slash its phase where that is not the first. */
+struct kind_name {
+    char text[2 * NAME_MAX_LENGTH + 2];
+};
+const char *config_kind_name(const struct config *c, size_t kind, struct kind_name *out);
+
+/* dm2_fail at a place of the deck: the text is "file:line:column: error: message", the line, and a caret below it; the
+ * message alone where the place is NULL. */
+enum dm2_status config_fail(const char *place, struct dm2_error *err, enum dm2_status status, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+
+/* Frees what *c owns and empties it. */
+void config_free(struct config *c);
+
+#endif

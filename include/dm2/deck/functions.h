@@ -1,0 +1,28 @@
+/* The functions of expressions. */
+#ifndef DM2_DECK_FUNCTIONS_H
+#define DM2_DECK_FUNCTIONS_H
+
+#include <stddef.h>
+
+#include "dm2/base/words.h"
+
+enum deck_function {
+    FUNCTION_SQRT,
+    FUNCTION_ABS,
+    FUNCTION_MIN,
+    FUNCTION_MAX,
+    FUNCTION_FLOOR,
+    FUNCTION_CEIL,
+    FUNCTION_ROUND
+};
+
+/* The function of this name, -1: none. */
+int function_find(const char *name, size_t length);
+
+/* 1: takes one value, 2: takes two or more. */
+int function_arguments(int function);
+
+const char *function_name(int function);
+struct word_list function_names(void);
+
+#endif

@@ -1,0 +1,86 @@
+/* A deck as read: definitions, blocks, entries and their values as trees of nodes, each with its place, not
+ * yet evaluated. */
+#ifndef DM2_DECK_TREE_H
+#define DM2_DECK_TREE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "dm2/deck/findings.h"
+#include "dm2/deck/units.h"
+
+enum { DECK_MAX_LETS = 10000, DECK_MAX_DEPTH = 200 };
+
+enum node_kind {
+    NODE_BAD,    /* reported already */
+    NODE_NUMBER, /* quantity */
+    NODE_WORD,   /* a word: a let, pi, a unit, or a word that the keyword knows */
+    NODE_STRING,
+    NODE_NEGATE, /* -a */
+    NODE_BINARY, /* a op b */
+    NODE_CALL    /* op is the function's index; the arguments start at a and hang together by `next` */
+};
+
+struct deck_node {
+    enum node_kind kind;
+    int op;
+    int depth;               /* of the tree below, 1 for a leaf */
+    int32_t a, b, next;      /* nodes; -1: none */
+    struct deck_place place; /* all of it */
+    struct deck_place op_place;
+    struct quantity number;
+};
+
+enum let_state { LET_UNSEEN, LET_UNDER_WAY, LET_DONE, LET_FAILED };
+
+struct deck_let {
+    char name[NAME_MAX_LENGTH + 1];
+    struct deck_place place; /* of the name where it is defined */
+    int32_t node;
+    enum let_state state;
+    bool used;
+    struct quantity value;
+};
+
+struct deck_entry {
+    struct deck_place key;
+    size_t first, n; /* its values: tree->values[first .. first + n - 1] */
+    bool bad;        /* reported already; it counts as given */
+};
+
+struct deck_block {
+    struct deck_place word;
+    size_t first_name, n_names; /* tree->names */
+    size_t first_entry, n_entries;
+    bool bad; /* it has no braces: reported already */
+};
+
+struct deck_tree {
+    const struct deck_source *source;
+    struct deck_node *nodes;
+    struct deck_let *lets; /* in the order of their names once parsing is over */
+    int32_t *values;       /* nodes */
+    struct deck_place *names;
+    struct deck_entry *entries;
+    struct deck_block *blocks;
+    size_t n_nodes, n_lets, n_values, n_names, n_entries, n_blocks;
+    size_t cap_nodes, cap_lets, cap_values, cap_names, cap_entries, cap_blocks;
+    struct deck_place end; /* of the main text: where what is missing is missed */
+    bool incomplete;       /* a text was left out: what is missing may be in there */
+};
+
+void deck_tree_free(struct deck_tree *tree);
+
+/* Reads every text and definition of tree->source into *tree, empty but for it. What does not read is a
+ * finding and left out or marked bad. False: no memory. */
+bool deck_parse(struct deck_tree *tree, struct findings *findings);
+
+/* The let of this name; NULL: none. Only once parsing is over. */
+struct deck_let *deck_tree_let(const struct deck_tree *tree, const char *name, size_t length);
+
+/* The entry of a block with this key; NULL: none. */
+const struct deck_entry *deck_tree_entry(const struct deck_tree *tree, const struct deck_block *block,
+                                         const char *key);
+
+#endif

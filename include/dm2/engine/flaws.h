@@ -1,0 +1,21 @@
+/* Flaws: which first links are not there. */
+#ifndef DM2_ENGINE_FLAWS_H
+#define DM2_ENGINE_FLAWS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "dm2/deck/config.h"
+
+/* One end of a link. */
+struct link_end {
+    uint32_t id;
+    uint16_t body;
+    const double *r; /* cm */
+};
+
+/* Is the link between two neighbours missing at the start: because it crosses a flaw's line, or by chance?
+ * `apart` is the shortest vector from b to a across periodic sides. The same, whichever of the two is a. */
+bool flaws_miss(const struct config *config, struct link_end a, struct link_end b, const double apart[2]);
+
+#endif

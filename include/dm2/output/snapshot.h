@@ -1,0 +1,49 @@
+/* States for viewers: VTK PolyData (.vtp, ParaView) with a .pvd series, and extended XYZ (OVITO).
+ *
+ * The .vtp holds one point and one vertex per element, one line per linked pair (but none across a periodic
+ * seam), and per point: id, kind, body, grain, radius [cm], velocity [cm/us], spin [1/us], temperature [K],
+ * pressure [Mbar], stress [Mbar] (xx, yy, xy), links, contacts, bonds (links at the start), damage (1 -
+ * links/bonds), where it is known fragment (dm2/output/fragments.h), and where the deck asks for it strain (xx, yy,
+ * xy). Its field data: TimeValue [us], step, domain (x0, y0, width, height [cm]), periodic, and the names of
+ * materials (the index is `kind`) and bodies. Positions and velocities have a z of 0. Numbers are little-endian,
+ * in base64, floating point ones 64 bits wide.
+ *
+ * The .xyz has the same columns as text, the material's name as species.
+ *
+ * The bytes depend on the snapshot alone. Every function: DM2_IO, DM2_MEMORY, and DM2_NUMERIC where a pair
+ * names an element that is not there; nothing is left under `path` then. */
+#ifndef DM2_OUTPUT_SNAPSHOT_H
+#define DM2_OUTPUT_SNAPSHOT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "dm2/base/status.h"
+#include "dm2/deck/config.h"
+#include "dm2/engine/element.h"
+
+/* A state as measured at one step. All borrowed; elements in id order, `measured` beside them. */
+struct snapshot {
+    const struct config *config;
+    int64_t step;
+    const struct element *elements;
+    const struct element_measure *measured;
+    size_t n_elements;
+    const struct pair_record *pairs;
+    size_t n_pairs;
+    const uint32_t *fragment; /* of each element, or NULL */
+};
+
+/* Write the state in the one format or the other. */
+enum dm2_status snapshot_write_vtp(const char *path, const struct snapshot *s, struct dm2_error *err);
+enum dm2_status snapshot_write_xyz(const char *path, const struct snapshot *s, struct dm2_error *err);
+
+/* The ParaView collection of the files state-STEP.vtp (snapshot_file_name) beside it, one per step. */
+enum dm2_status snapshot_write_series(const char *path, const int64_t *steps, size_t n_steps, double dt,
+                                      struct dm2_error *err);
+
+/* The name of a step's file in its directory: "state-000000200.vtp" for suffix "vtp". */
+enum { SNAPSHOT_NAME_MAX = 48 };
+void snapshot_file_name(int64_t step, const char *suffix, char out[SNAPSHOT_NAME_MAX]);
+
+#endif

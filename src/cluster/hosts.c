@@ -1,0 +1,180 @@
+/* Every line is taken apart into words; the first is host[:port], the others are slots=K
+ * and spare. Whatever is not understood is an error with file and line: a typing mistake must not
+ * silently take a machine out of the run. */
+#include "dm2/cluster/hosts.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dm2/base/file.h"
+#include "dm2/base/mem.h"
+#include "dm2/base/number.h"
+#include "dm2/cluster/messages.h"
+
+enum { FILE_MOST = 1024 * 1024 };
+
+enum dm2_status endpoints_add(struct endpoints *list, const char *host, int port, struct dm2_error *err)
+{
+    void *block = list->items;
+    if (mem_grow(&block, &list->cap, list->n, list->n + 1, sizeof *list->items) != 0)
+        return dm2_fail(err, DM2_MEMORY, "no memory for %zu servers", list->n + 1);
+    list->items = block;
+    struct endpoint *e = &list->items[list->n++];
+    (void)snprintf(e->host, sizeof e->host, "%s", host);
+    e->port = port;
+    e->spare = false;
+    return DM2_OK;
+}
+
+size_t endpoints_sort(struct endpoints *list)
+{
+    size_t front = 0;
+    for (size_t k = 0; k < list->n; k++) {
+        struct endpoint e = list->items[k];
+        if (e.spare)
+            continue;
+        memmove(&list->items[front + 1], &list->items[front], (k - front) * sizeof e);
+        list->items[front++] = e;
+    }
+    return front;
+}
+
+void endpoints_free(struct endpoints *list)
+{
+    free(list->items);
+    *list = (struct endpoints){0};
+}
+
+/* A whole number from..to that fills the text. */
+static bool number_in(const char *text, size_t length, int from, int to, int *out)
+{
+    int64_t value;
+    if (!number_parse_integer(text, length, &value) || value < from || value > to)
+        return false;
+    *out = (int)value;
+    return true;
+}
+
+/* Takes host[:port] apart. NULL, or what is wrong with it. */
+static const char *split_server(const char *text, size_t length, struct endpoint *out)
+{
+    const char *host = text, *end = text + length, *colon = NULL;
+    size_t host_length = length;
+    if (length > 0 && text[0] == '[') {
+        const char *close = memchr(text, ']', length);
+        if (close == NULL)
+            return "the '[' of the address is not closed";
+        host = text + 1;
+        host_length = (size_t)(close - host);
+        if (close + 1 < end && close[1] != ':')
+            return "after ']' only :port may follow";
+        colon = close + 1 < end ? close + 1 : NULL;
+    } else {
+        colon = memchr(text, ':', length);
+        if (colon != NULL && memchr(colon + 1, ':', (size_t)(end - colon - 1)) != NULL)
+            colon = NULL; /* more than one: an IPv6 address without a port */
+        else if (colon != NULL)
+            host_length = (size_t)(colon - host);
+    }
+    if (host_length == 0)
+        return "the host's name is empty";
+    if (host_length > HOST_MAX)
+        return "the host's name is longer than 255 characters";
+    memcpy(out->host, host, host_length);
+    out->host[host_length] = '\0';
+    out->port = DEFAULT_PORT;
+    if (colon != NULL && !number_in(colon + 1, (size_t)(end - colon - 1), 1, 65535, &out->port))
+        return "the port must be a number from 1 to 65535";
+    return NULL;
+}
+
+enum dm2_status hosts_parse_server(const char *text, struct endpoints *list, struct dm2_error *err)
+{
+    struct endpoint e;
+    const char *wrong = split_server(text, strlen(text), &e);
+    if (wrong != NULL)
+        return dm2_fail(err, DM2_USAGE, "server '%s': %s; write HOST or HOST:PORT", text, wrong);
+    return endpoints_add(list, e.host, e.port, err);
+}
+
+/* The next word of a line that ends at `end`; false where there is none. */
+static bool next_word(const char **at, const char *end, const char **word, size_t *length)
+{
+    while (*at < end && (**at == ' ' || **at == '\t' || **at == '\r'))
+        ++*at;
+    *word = *at;
+    while (*at < end && strchr(" \t\r", **at) == NULL)
+        ++*at;
+    *length = (size_t)(*at - *word);
+    return *length > 0;
+}
+
+static enum dm2_status parse_line(const char *name, int line, const char *at, const char *end,
+                                  struct endpoints *list, struct dm2_error *err)
+{
+    const char *word;
+    size_t length;
+    struct endpoint e;
+    int slots = 1;
+    bool spare = false;
+    if (!next_word(&at, end, &word, &length))
+        return DM2_OK;
+    const char *wrong = split_server(word, length, &e);
+    if (wrong != NULL)
+        return dm2_fail(err, DM2_USAGE, "%s:%d: '%.*s': %s; a line is host[:port] [slots=K] [spare]", name, line,
+                        (int)length, word, wrong);
+    while (next_word(&at, end, &word, &length)) {
+        if (length == 5 && memcmp(word, "spare", 5) == 0) {
+            spare = true;
+            continue;
+        }
+        if (length < 6 || memcmp(word, "slots=", 6) != 0)
+            return dm2_fail(err, DM2_USAGE, "%s:%d: '%.*s' is not known; a line is host[:port] [slots=K] [spare]",
+                            name, line, (int)length, word);
+        if (!number_in(word + 6, length - 6, 1, HOSTS_MOST, &slots) || e.port + slots - 1 > 65535)
+            return dm2_fail(err, DM2_USAGE,
+                            "%s:%d: '%.*s': slots must be a number from 1 on, and port + slots - 1 at most "
+                            "65535",
+                            name, line, (int)length, word);
+    }
+    enum dm2_status status = DM2_OK;
+    for (int k = 0; k < slots && status == DM2_OK; k++) {
+        status = endpoints_add(list, e.host, e.port + k, err);
+        if (status == DM2_OK)
+            list->items[list->n - 1].spare = spare;
+    }
+    return status;
+}
+
+enum dm2_status hosts_parse(const char *name, const char *text, struct endpoints *list, struct dm2_error *err)
+{
+    size_t before = list->n;
+    int line = 1;
+    for (const char *at = text; *at != '\0'; line++) {
+        const char *end = at + strcspn(at, "\n"), *stop = memchr(at, '#', (size_t)(end - at));
+        enum dm2_status status = parse_line(name, line, at, stop == NULL ? end : stop, list, err);
+        if (status != DM2_OK)
+            return status;
+        at = *end == '\n' ? end + 1 : end;
+    }
+    if (list->n == before)
+        return dm2_fail(err, DM2_USAGE, "%s names no host; a line is host[:port] [slots=K] [spare]", name);
+    return DM2_OK;
+}
+
+enum dm2_status hosts_read(const char *path, struct endpoints *list, struct dm2_error *err)
+{
+    unsigned char *text;
+    size_t n;
+    struct dm2_error why = {0};
+    if (file_read(path, FILE_MOST, &text, &n, &why) != DM2_OK)
+        return dm2_fail(err, DM2_USAGE, "%s", why.text);
+    enum dm2_status status =
+        memchr(text, '\0', n) != NULL
+            ? dm2_fail(err, DM2_USAGE, "%s is not a text file: it holds a NUL byte", path)
+            : hosts_parse(path, (const char *)text, list, err);
+    free(text);
+    return status;
+}

@@ -1,0 +1,141 @@
+/* Elements go straight to the place of their id. Pairs are appended as they come and sorted once, by counting
+ * on id_a: an element has few pairs, so what is left to do within one id_a is an insertion among neighbours.
+ */
+#include "dm2/cluster/state_merge.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "dm2/base/mem.h"
+
+void state_merge_open(struct state_merge *m, struct wire_limits limits)
+{
+    *m = (struct state_merge){.limits = limits};
+}
+
+void state_merge_free(struct state_merge *m)
+{
+    free(m->elements);
+    free(m->measured);
+    free(m->seen);
+    free(m->pairs);
+    *m = (struct state_merge){0};
+}
+
+void state_merge_clear(struct state_merge *m)
+{
+    if (m->seen != NULL)
+        memset(m->seen, 0, m->limits.elements);
+    m->n_seen = m->n_pairs = 0;
+}
+
+static enum dm2_status allocate(struct state_merge *m, struct dm2_error *err)
+{
+    size_t n = m->limits.elements;
+    if (m->seen != NULL)
+        return DM2_OK;
+    m->elements = mem_alloc(n, sizeof *m->elements);
+    m->measured = mem_alloc(n, sizeof *m->measured);
+    m->seen = mem_zalloc(n, 1);
+    if (m->elements != NULL && m->measured != NULL && m->seen != NULL)
+        return DM2_OK;
+    state_merge_free(m);
+    m->limits.elements = n;
+    return dm2_fail(err, DM2_MEMORY, "no memory to compile a state of %zu elements", n);
+}
+
+static enum dm2_status bad_record(struct dm2_error *err)
+{
+    return dm2_fail(err, DM2_PROTOCOL, "a part of a state does not decode");
+}
+
+enum dm2_status state_merge_add(struct state_merge *m, const struct state_message *head,
+                                struct bytes_reader *r, struct dm2_error *err)
+{
+    enum dm2_status status = allocate(m, err);
+    if (status != DM2_OK)
+        return status;
+    if (bytes_remaining(r) / WIRE_ELEMENT < head->n_elements)
+        return bad_record(err);
+    if (m->n_pairs + head->n_pairs > WIRE_PAIRS_MOST * m->limits.elements)
+        return dm2_fail(err, DM2_PROTOCOL, "a state came with more than %d pairs per element", WIRE_PAIRS_MOST);
+    uint32_t *ids = mem_alloc(head->n_elements, sizeof *ids);
+    if (ids == NULL)
+        return dm2_fail(err, DM2_MEMORY, "no memory to compile a state");
+    for (size_t k = 0; k < head->n_elements && status == DM2_OK; k++) {
+        struct element e;
+        wire_get_element(r, &m->limits, &e);
+        if (r->failed) {
+            status = bad_record(err);
+        } else if (m->seen[e.id]) {
+            status = dm2_fail(err, DM2_PROTOCOL, "element %u came twice: two servers own it", e.id);
+        } else {
+            m->seen[e.id] = 1;
+            m->n_seen++;
+            m->elements[e.id] = e;
+            ids[k] = e.id;
+        }
+    }
+    for (size_t k = 0; k < head->n_elements && head->purpose == STATE_SNAPSHOT && status == DM2_OK; k++)
+        wire_get_measured(r, &m->measured[ids[k]]);
+    free(ids);
+    void *block = m->pairs;
+    if (status == DM2_OK &&
+        mem_grow(&block, &m->pairs_cap, m->n_pairs, m->n_pairs + head->n_pairs, sizeof *m->pairs) != 0)
+        return dm2_fail(err, DM2_MEMORY, "no memory to compile %zu pairs", m->n_pairs + head->n_pairs);
+    m->pairs = block;
+    for (size_t k = 0; k < head->n_pairs && status == DM2_OK; k++)
+        wire_get_pair(r, &m->limits, &m->pairs[m->n_pairs++]);
+    return status == DM2_OK && !bytes_done(r) ? bad_record(err) : status;
+}
+
+/* Sorted pairs, or NULL without memory. */
+static struct pair_record *sort_pairs(const struct state_merge *m)
+{
+    size_t n = m->limits.elements;
+    size_t *start = mem_zalloc(n + 1, sizeof *start);
+    struct pair_record *sorted = mem_alloc(m->n_pairs, sizeof *sorted);
+    if (start == NULL || sorted == NULL) {
+        free(start);
+        free(sorted);
+        return NULL;
+    }
+    for (size_t k = 0; k < m->n_pairs; k++)
+        start[m->pairs[k].id_a + 1]++;
+    for (size_t k = 0; k < n; k++)
+        start[k + 1] += start[k];
+    for (size_t k = 0; k < m->n_pairs; k++) /* start[a] moves up to the end of a's pairs */
+        sorted[start[m->pairs[k].id_a]++] = m->pairs[k];
+    for (size_t k = 1; k < m->n_pairs; k++) {
+        struct pair_record p = sorted[k];
+        size_t at = k;
+        for (; at > 0 && sorted[at - 1].id_a == p.id_a && sorted[at - 1].id_b > p.id_b; at--)
+            sorted[at] = sorted[at - 1];
+        sorted[at] = p;
+    }
+    free(start);
+    return sorted;
+}
+
+enum dm2_status state_merge_finish(struct state_merge *m, struct dm2_error *err)
+{
+    enum dm2_status status = allocate(m, err);
+    if (status != DM2_OK)
+        return status;
+    if (m->n_seen != m->limits.elements) {
+        const unsigned char *missing = memchr(m->seen, 0, m->limits.elements);
+        return dm2_fail(err, DM2_PROTOCOL,
+                        "%zu of %zu elements are missing, the first is element %zu: a server lost them",
+                        m->limits.elements - m->n_seen, m->limits.elements, (size_t)(missing - m->seen));
+    }
+    struct pair_record *sorted = sort_pairs(m);
+    if (sorted == NULL)
+        return dm2_fail(err, DM2_MEMORY, "no memory to sort %zu pairs", m->n_pairs);
+    free(m->pairs);
+    m->pairs = sorted;
+    m->pairs_cap = m->n_pairs;
+    for (size_t k = 1; k < m->n_pairs; k++)
+        if (sorted[k - 1].id_a == sorted[k].id_a && sorted[k - 1].id_b == sorted[k].id_b)
+            return dm2_fail(err, DM2_PROTOCOL, "the pair %u-%u came twice", sorted[k].id_a, sorted[k].id_b);
+    return DM2_OK;
+}

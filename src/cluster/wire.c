@@ -1,0 +1,282 @@
+/* Records as bytes.
+ *
+ * put and get stand side by side and list the same fields in the same order; the sizes in the header are
+ * checked by the tests. A reader that failed stays failed, so the checks here only ever set it. */
+#include "dm2/cluster/wire.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "dm2/base/mem.h"
+#include "dm2/deck/config.h"
+
+struct wire_limits wire_limits_of(const struct model *model)
+{
+    const struct config *c = model_config(model);
+    return (struct wire_limits){
+        .elements = model_elements(model), .bodies = c->n_bodies, .kinds = c->n_materials + c->n_phases};
+}
+
+static void require(struct bytes_reader *r, bool holds)
+{
+    if (!holds)
+        r->failed = true;
+}
+
+static double get_finite(struct bytes_reader *r)
+{
+    double x = bytes_get_f64(r);
+    require(r, isfinite(x) != 0);
+    return x;
+}
+
+void wire_put_mirror(struct bytes_writer *w, const struct element *e)
+{
+    bytes_put_u32(w, e->id);
+    bytes_put_u32(w, e->grain);
+    bytes_put_u16(w, e->body);
+    bytes_put_u16(w, e->kind);
+    bytes_put_u8(w, e->flags);
+    bytes_put_u8(w, e->probes);
+    bytes_put_f64(w, e->radius);
+    bytes_put_f64(w, e->mass);
+    bytes_put_f64s(w, e->r, 2);
+    bytes_put_f64s(w, e->v, 2);
+    bytes_put_f64(w, e->w);
+    bytes_put_f64(w, e->heat);
+    bytes_put_f64(w, e->p);
+    bytes_put_u16(w, e->was);
+    bytes_put_f64s(w, e->share, 2);
+}
+
+void wire_put_element(struct bytes_writer *w, const struct element *e)
+{
+    wire_put_mirror(w, e);
+    bytes_put_f64(w, e->work);
+    bytes_put_f64s(w, e->strain, 3);
+    bytes_put_f64(w, e->moved);
+    bytes_put_u16(w, e->bonds);
+}
+
+void wire_get_mirror(struct bytes_reader *r, const struct wire_limits *limits, struct element *out)
+{
+    *out = (struct element){0};
+    out->id = bytes_get_u32(r);
+    out->grain = bytes_get_u32(r);
+    out->body = bytes_get_u16(r);
+    out->kind = bytes_get_u16(r);
+    out->flags = bytes_get_u8(r);
+    out->probes = bytes_get_u8(r);
+    out->radius = get_finite(r);
+    out->mass = get_finite(r);
+    out->r[0] = get_finite(r);
+    out->r[1] = get_finite(r);
+    out->v[0] = get_finite(r);
+    out->v[1] = get_finite(r);
+    out->w = get_finite(r);
+    out->heat = get_finite(r);
+    out->p = get_finite(r);
+    out->was = bytes_get_u16(r);
+    for (int k = 0; k < 2; k++)
+        out->share[k] = get_finite(r);
+    require(r, out->id < limits->elements && out->body < limits->bodies && out->kind < limits->kinds &&
+                   out->was < limits->kinds);
+    require(r, out->share[0] >= 0 && out->share[1] >= 0 && out->share[0] <= 1 && out->share[1] <= 1);
+    require(r, (out->flags & ~ELEMENT_FIXED_MOTION) == 0 && out->radius > 0 && out->mass > 0);
+}
+
+void wire_get_element(struct bytes_reader *r, const struct wire_limits *limits, struct element *out)
+{
+    wire_get_mirror(r, limits, out);
+    out->work = get_finite(r);
+    for (int k = 0; k < 3; k++)
+        out->strain[k] = get_finite(r);
+    out->moved = get_finite(r);
+    out->bonds = bytes_get_u16(r);
+}
+
+void wire_put_pair(struct bytes_writer *w, const struct pair_record *p)
+{
+    bytes_put_u32(w, p->id_a);
+    bytes_put_u32(w, p->id_b);
+    bytes_put_u8(w, (uint8_t)p->linked);
+    bytes_put_f64(w, p->stretch);
+    bytes_put_f64(w, p->spring);
+}
+
+void wire_get_pair(struct bytes_reader *r, const struct wire_limits *limits, struct pair_record *out)
+{
+    out->id_a = bytes_get_u32(r);
+    out->id_b = bytes_get_u32(r);
+    out->linked = bytes_get_u8(r);
+    out->stretch = get_finite(r);
+    out->spring = get_finite(r);
+    require(r, out->id_a < out->id_b && out->id_b < limits->elements && out->linked <= 1);
+}
+
+void wire_put_measured(struct bytes_writer *w, const struct element_measure *m)
+{
+    bytes_put_f64s(w, m->stress, 3);
+    bytes_put_f64s(w, m->velocity, 2);
+    bytes_put_f64(w, m->temperature);
+    bytes_put_u32(w, m->links);
+    bytes_put_u32(w, m->contacts);
+}
+
+void wire_get_measured(struct bytes_reader *r, struct element_measure *out)
+{
+    for (int k = 0; k < 3; k++)
+        out->stress[k] = get_finite(r);
+    for (int k = 0; k < 2; k++)
+        out->velocity[k] = get_finite(r);
+    out->temperature = get_finite(r);
+    out->links = bytes_get_u32(r);
+    out->contacts = bytes_get_u32(r);
+}
+
+static void put_sum(struct bytes_writer *w, const struct exact_sum *s)
+{
+    bytes_put_i64(w, s->hi);
+    bytes_put_u64(w, s->lo);
+}
+
+static void get_sum(struct bytes_reader *r, struct exact_sum *s)
+{
+    s->hi = bytes_get_i64(r);
+    s->lo = bytes_get_u64(r);
+}
+
+void wire_put_measures(struct bytes_writer *w, const struct measures *m)
+{
+    put_sum(w, &m->kinetic);
+    put_sum(w, &m->potential);
+    put_sum(w, &m->elastic);
+    put_sum(w, &m->thermal);
+    put_sum(w, &m->chemical);
+    put_sum(w, &m->phase);
+    put_sum(w, &m->work);
+    put_sum(w, &m->momentum[0]);
+    put_sum(w, &m->momentum[1]);
+    put_sum(w, &m->angular);
+    bytes_put_u64(w, m->elements);
+    bytes_put_u64(w, m->links);
+    bytes_put_u64(w, m->contacts);
+    bytes_put_f64(w, m->t_max);
+    bytes_put_f64(w, m->p_min);
+    bytes_put_f64(w, m->p_max);
+    for (int k = 0; k < PROBE_MAX; k++) {
+        bytes_put_u64(w, m->probe[k].count);
+        for (int a = 0; a < 2; a++) {
+            put_sum(w, &m->probe[k].r[a]);
+            put_sum(w, &m->probe[k].v[a]);
+        }
+    }
+}
+
+void wire_get_measures(struct bytes_reader *r, struct measures *out)
+{
+    get_sum(r, &out->kinetic);
+    get_sum(r, &out->potential);
+    get_sum(r, &out->elastic);
+    get_sum(r, &out->thermal);
+    get_sum(r, &out->chemical);
+    get_sum(r, &out->phase);
+    get_sum(r, &out->work);
+    get_sum(r, &out->momentum[0]);
+    get_sum(r, &out->momentum[1]);
+    get_sum(r, &out->angular);
+    out->elements = bytes_get_u64(r);
+    out->links = bytes_get_u64(r);
+    out->contacts = bytes_get_u64(r);
+    out->t_max = bytes_get_f64(r);
+    out->p_min = bytes_get_f64(r);
+    out->p_max = bytes_get_f64(r);
+    /* infinite where there is no element, but always a number */
+    require(r, !isnan(out->t_max) && !isnan(out->p_min) && !isnan(out->p_max));
+    for (int k = 0; k < PROBE_MAX; k++) {
+        out->probe[k].count = bytes_get_u64(r);
+        for (int a = 0; a < 2; a++) {
+            get_sum(r, &out->probe[k].r[a]);
+            get_sum(r, &out->probe[k].v[a]);
+        }
+    }
+}
+
+void wire_put_bin(struct bytes_writer *w, const struct profile_bin *b)
+{
+    bytes_put_u64(w, b->elements);
+    put_sum(w, &b->mass);
+    put_sum(w, &b->momentum[0]);
+    put_sum(w, &b->momentum[1]);
+    put_sum(w, &b->volume);
+    for (int a = 0; a < 3; a++)
+        put_sum(w, &b->stress[a]);
+    put_sum(w, &b->temperature);
+}
+
+void wire_get_bin(struct bytes_reader *r, struct profile_bin *out)
+{
+    out->elements = bytes_get_u64(r);
+    get_sum(r, &out->mass);
+    get_sum(r, &out->momentum[0]);
+    get_sum(r, &out->momentum[1]);
+    get_sum(r, &out->volume);
+    for (int a = 0; a < 3; a++)
+        get_sum(r, &out->stress[a]);
+    get_sum(r, &out->temperature);
+}
+
+static void put_elements(struct bytes_writer *w, const struct element *e, size_t n, bool mirrors)
+{
+    bytes_put_u32(w, (uint32_t)n);
+    for (size_t k = 0; k < n && mirrors; k++)
+        wire_put_mirror(w, &e[k]);
+    for (size_t k = 0; k < n && !mirrors; k++)
+        wire_put_element(w, &e[k]);
+}
+
+static struct element *get_elements(struct bytes_reader *r, const struct wire_limits *limits, size_t *n,
+                                    bool mirrors)
+{
+    *n = bytes_get_count(r, mirrors ? WIRE_MIRROR : WIRE_ELEMENT);
+    struct element *e = r->failed ? NULL : mem_zalloc(*n, sizeof *e);
+    require(r, e != NULL);
+    for (size_t k = 0; k < *n && !r->failed; k++)
+        (mirrors ? wire_get_mirror : wire_get_element)(r, limits, &e[k]);
+    return e;
+}
+
+void wire_put_parcel(struct bytes_writer *w, const struct parcel *p)
+{
+    if (p->n_migrants > UINT32_MAX || p->n_pairs > UINT32_MAX || p->n_mirrors > UINT32_MAX) {
+        w->failed = true;
+        return;
+    }
+    put_elements(w, p->migrants, p->n_migrants, false);
+    bytes_put_u32(w, (uint32_t)p->n_pairs);
+    for (size_t k = 0; k < p->n_pairs; k++)
+        wire_put_pair(w, &p->pairs[k]);
+    put_elements(w, p->mirrors, p->n_mirrors, true);
+}
+
+void wire_get_parcel(struct bytes_reader *r, const struct wire_limits *limits, struct parcel *out)
+{
+    *out = (struct parcel){0};
+    out->migrants = get_elements(r, limits, &out->n_migrants, false);
+    out->n_pairs = bytes_get_count(r, WIRE_PAIR);
+    out->pairs = r->failed ? NULL : mem_zalloc(out->n_pairs, sizeof *out->pairs);
+    require(r, out->pairs != NULL);
+    for (size_t k = 0; k < out->n_pairs && !r->failed; k++)
+        wire_get_pair(r, limits, &out->pairs[k]);
+    out->mirrors = get_elements(r, limits, &out->n_mirrors, true);
+    if (r->failed)
+        wire_parcel_free(out);
+}
+
+void wire_parcel_free(struct parcel *p)
+{
+    free(p->migrants);
+    free(p->pairs);
+    free(p->mirrors);
+    *p = (struct parcel){0};
+}

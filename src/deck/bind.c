@@ -1,0 +1,590 @@
+/* Binding goes through the blocks three times: which kind is each and how many are there; the names of
+ * materials, so that order does not matter; then all values.
+ *
+ * What is missing is reported only where nothing unknown could have been meant by it: `sise = 1 2` is one
+ * mistake, not an unknown keyword and a missing one. */
+#include "dm2/deck/bind.h"
+
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dm2/base/mem.h"
+
+static const struct deck_block *block_at(const struct deck_binding *b, size_t block)
+{
+    return &b->tree->blocks[block];
+}
+
+static const struct deck_entry *entry_of(const struct deck_binding *b, size_t block, const char *key)
+{
+    return block < b->tree->n_blocks ? deck_tree_entry(b->tree, block_at(b, block), key) : NULL;
+}
+
+bool binding_given(const struct deck_binding *b, size_t block, const char *key)
+{
+    const struct deck_entry *entry = entry_of(b, block, key);
+    return entry != NULL && !entry->bad;
+}
+
+bool binding_bad(const struct deck_binding *b, size_t block, const char *key)
+{
+    const struct deck_entry *entry = entry_of(b, block, key);
+    return entry != NULL && entry->bad;
+}
+
+struct deck_place binding_place(const struct deck_binding *b, size_t block, const char *key, size_t i)
+{
+    const struct deck_entry *entry = entry_of(b, block, key);
+    if (block >= b->tree->n_blocks)
+        return b->tree->end;
+    if (entry == NULL)
+        return block_at(b, block)->word;
+    return i < entry->n ? b->tree->nodes[b->tree->values[entry->first + i]].place : entry->key;
+}
+
+/* --- which blocks there are --------------------------------------------------------------------------- */
+
+static struct deck_place name_of(const struct deck_binding *b, size_t block, size_t i)
+{
+    return b->tree->names[block_at(b, block)->first_name + i];
+}
+
+/* The same without quotes. */
+static struct deck_place bare_name_of(const struct deck_binding *b, size_t block, size_t i)
+{
+    struct deck_place name = name_of(b, block, i);
+    if (place_bytes(b->tree->source, name)[0] == '"') {
+        name.offset++;
+        name.length -= 2;
+    }
+    return name;
+}
+
+static void check_single(struct deck_binding *b, size_t block)
+{
+    enum block_kind kind = b->kinds[block];
+    if (b->single[kind] == b->tree->n_blocks)
+        b->single[kind] = block;
+    else if (schema_block(kind)->single)
+        findings_error(b->findings, block_at(b, block)->word, "there is a block '%s' before; a deck has one",
+                       schema_block(kind)->name);
+}
+
+static bool named(enum block_kind kind)
+{
+    return kind == BLOCK_MATERIAL || kind == BLOCK_BODY || kind == BLOCK_PROBE || kind == BLOCK_PROFILE ||
+           kind == BLOCK_VOID || kind == BLOCK_FLAW || kind == BLOCK_PHASE || kind == BLOCK_REACTION;
+}
+
+/* Is the number of names between the word and the brace right, and can they be names? */
+static bool check_head(struct deck_binding *b, size_t block)
+{
+    const struct block_schema *schema = schema_block(b->kinds[block]);
+    const struct deck_block *at = block_at(b, block);
+    size_t extra = b->kinds[block] == BLOCK_INTERFACE ? 1 : 0, n = at->n_names;
+    bool ok = schema->single                   ? n == 0
+              : b->kinds[block] == BLOCK_PHASE ? n == 2
+              : named(b->kinds[block])         ? n == 1
+                                               : n == extra || n == extra + 2;
+    struct place_text text;
+    if (!ok) {
+        struct deck_place place =
+            n == 0 ? at->word : place_span(name_of(b, block, 0), name_of(b, block, n - 1));
+        if (!at->bad)
+            findings_error(b->findings, place, "between '%s' and '{' belongs %s, found %zu name%s",
+                           schema->name, schema->names, n, n == 1 ? "" : "s");
+        return false;
+    }
+    for (size_t i = 0; i < n && named(b->kinds[block]); i++) {
+        struct deck_place name = name_of(b, block, i);
+        if (place_bytes(b->tree->source, name)[0] == '"' || name.length > NAME_MAX_LENGTH) {
+            findings_error(b->findings, name, "a name is letters, digits and _, at most %d, not %s",
+                           NAME_MAX_LENGTH, place_text(b->tree->source, name, &text));
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool find_kinds(struct deck_binding *b)
+{
+    struct deck_tree *tree = b->tree;
+    b->kinds = mem_zalloc(tree->n_blocks, sizeof *b->kinds);
+    b->material_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
+    b->body_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
+    b->probe_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
+    b->profile_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
+    b->rule_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
+    b->phase_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
+    b->reaction_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
+    b->void_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
+    b->flaw_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
+    if (b->void_block == NULL || b->flaw_block == NULL)
+        return false;
+    if (b->kinds == NULL || b->material_block == NULL || b->body_block == NULL || b->probe_block == NULL ||
+        b->profile_block == NULL || b->rule_block == NULL || b->phase_block == NULL ||
+        b->reaction_block == NULL)
+        return false;
+    for (int kind = 0; kind < BLOCK_COUNT; kind++)
+        b->single[kind] = tree->n_blocks;
+    struct word_list known = schema_block_names();
+    for (size_t i = 0; i < tree->n_blocks; i++) {
+        struct deck_place word = tree->blocks[i].word;
+        const char *bytes = place_bytes(tree->source, word);
+        struct place_text text;
+        struct word_hint hint;
+        b->kinds[i] = schema_find_block(bytes, word.length);
+        if (b->kinds[i] != BLOCK_COUNT)
+            check_single(b, i);
+        else if (!tree->blocks[i].bad)
+            findings_error(b->findings, word, "there is no block '%s'%s",
+                           place_text(tree->source, word, &text),
+                           words_hint(&known, bytes, word.length, &hint));
+    }
+    return true;
+}
+
+static bool unknown_block_like(const struct deck_binding *b, const char *name)
+{
+    for (size_t i = 0; i < b->tree->n_blocks; i++) {
+        struct deck_place word = block_at(b, i)->word;
+        if (b->kinds[i] == BLOCK_COUNT && words_near(place_bytes(b->tree->source, word), word.length, name))
+            return true;
+    }
+    return false;
+}
+
+static void check_missing_blocks(struct deck_binding *b)
+{
+    for (int kind = 0; kind < BLOCK_COUNT && !b->tree->incomplete; kind++) {
+        const struct block_schema *schema = schema_block((enum block_kind)kind);
+        if (schema->required && b->single[kind] == b->tree->n_blocks && !unknown_block_like(b, schema->name))
+            findings_error(b->findings, b->tree->end, "the deck has no block '%s'", schema->name);
+    }
+}
+
+/* --- the things that blocks describe ------------------------------------------------------------------ */
+
+/* How many blocks of this kind have a good head; their indices go to `blocks`. */
+static size_t collect(struct deck_binding *b, enum block_kind kind, size_t max, size_t *blocks, size_t used)
+{
+    for (size_t i = 0; i < b->tree->n_blocks; i++) {
+        if (b->kinds[i] != kind || !check_head(b, i))
+            continue;
+        if (used == max) {
+            findings_error(b->findings, block_at(b, i)->word, "the deck has more than %zu blocks '%s'", max,
+                           schema_block(kind)->name);
+            break;
+        }
+        blocks[used++] = i;
+    }
+    return used;
+}
+
+struct named_thing {
+    const char *name;
+    size_t block;
+};
+
+static int compare_named(const void *a, const void *b)
+{
+    const struct named_thing *x = a, *y = b;
+    int order = strcmp(x->name, y->name);
+    return order != 0 ? order : x->block < y->block ? -1 : x->block > y->block;
+}
+
+/* Copies the names of n things; `stride` bytes apart from `names`. Reports those that are there twice. */
+static bool name_things(struct deck_binding *b, const size_t *blocks, size_t n, char *names, size_t stride)
+{
+    struct named_thing *sorted = mem_zalloc(n, sizeof *sorted);
+    if (sorted == NULL)
+        return false;
+    for (size_t i = 0; i < n; i++) {
+        struct deck_place name = name_of(b, blocks[i], 0);
+        memcpy(names + i * stride, place_bytes(b->tree->source, name), name.length);
+        sorted[i] = (struct named_thing){names + i * stride, blocks[i]};
+    }
+    qsort(sorted, n, sizeof *sorted, compare_named);
+    for (size_t i = 1; i < n; i++) {
+        struct place_text kind;
+        if (strcmp(sorted[i].name, sorted[i - 1].name) == 0)
+            findings_error(b->findings, name_of(b, sorted[i].block, 0), "there is a %s '%s' before",
+                           place_text(b->tree->source, block_at(b, sorted[i].block)->word, &kind),
+                           sorted[i].name);
+    }
+    free(sorted);
+    return true;
+}
+
+static bool unknown_key_like(const struct deck_binding *b, size_t block, const struct block_schema *schema,
+                             const char *name)
+{
+    const struct deck_block *at = block_at(b, block);
+    for (size_t i = 0; i < at->n_entries; i++) {
+        struct deck_place key = b->tree->entries[at->first_entry + i].key;
+        const char *bytes = place_bytes(b->tree->source, key);
+        if (schema_find_key(schema, bytes, key.length) < 0 && words_near(bytes, key.length, name))
+            return true;
+    }
+    return false;
+}
+
+bool binding_missing(const struct deck_binding *b, size_t block, const char *key)
+{
+    return entry_of(b, block, key) == NULL && !block_at(b, block)->bad &&
+           !unknown_key_like(b, block, schema_block(b->kinds[block]), key);
+}
+
+/* Reads all entries of a block into `base`. Gives the keywords that were given and those that are bad, as
+ * bits. */
+static void read_entries(struct deck_binding *b, size_t block, void *base, uint32_t *set, uint32_t *bad)
+{
+    const struct deck_block *at = block_at(b, block);
+    const struct block_schema *schema = schema_block(b->kinds[block]);
+    struct word_list known = schema_key_names(schema);
+    *set = *bad = 0;
+    for (size_t i = 0; i < at->n_entries; i++) {
+        struct deck_entry *entry = &b->tree->entries[at->first_entry + i];
+        const char *word = place_bytes(b->tree->source, entry->key);
+        int key = schema_find_key(schema, word, entry->key.length);
+        struct place_text text;
+        struct word_hint hint;
+        if (key < 0) {
+            findings_error(b->findings, entry->key, "'%s' is no keyword of '%s'%s",
+                           place_text(b->tree->source, entry->key, &text), schema->name,
+                           words_hint(&known, word, entry->key.length, &hint));
+        } else if (*set >> key & 1u) {
+            findings_error(b->findings, entry->key, "'%s' is given twice", schema->keys[key].name);
+        } else {
+            *set |= 1u << key;
+            if (!value_read(b, &schema->keys[key], entry, base))
+                *bad |= 1u << key;
+        }
+    }
+}
+
+static void check_missing_keys(struct deck_binding *b, size_t block, uint32_t set)
+{
+    const struct block_schema *schema = schema_block(b->kinds[block]);
+    if (block_at(b, block)->bad)
+        return;
+    for (size_t i = 0; i < schema->n_keys; i++) {
+        const struct deck_key *key = &schema->keys[i];
+        bool replaced = b->steps_replaced && strcmp(key->name, "steps") == 0;
+        if (key->required && (set >> i & 1u) == 0 && !replaced &&
+            !unknown_key_like(b, block, schema, key->name))
+            findings_error(b->findings, block_at(b, block)->word, "the block '%s' lacks '%s': %s",
+                           schema->name, key->name, key->meaning);
+    }
+}
+
+static void read_block(struct deck_binding *b, size_t block, void *base)
+{
+    uint32_t set, bad;
+    read_entries(b, block, base, &set, &bad);
+    check_missing_keys(b, block, set);
+}
+
+static bool bind_materials(struct deck_binding *b)
+{
+    struct config *c = b->config;
+    size_t n = collect(b, BLOCK_MATERIAL, MATERIAL_MAX, b->material_block, 0);
+    c->materials = mem_zalloc(n, sizeof *c->materials);
+    if (c->materials == NULL)
+        return false;
+    c->n_materials = n;
+    for (size_t i = 0; i < n; i++) {
+        schema_defaults(schema_block(BLOCK_MATERIAL), &c->materials[i]);
+        read_block(b, b->material_block[i], &c->materials[i]);
+    }
+    return n == 0 || name_things(b, b->material_block, n, c->materials[0].name, sizeof *c->materials);
+}
+
+/* The constants that the deck does not give are those of the phase it forms from, which stands before it. */
+static void inherit(struct deck_binding *b, size_t block, const struct material_config *from, struct material_config *to)
+{
+    const struct block_schema *schema = schema_block(BLOCK_PHASE);
+    for (size_t i = 0; i < schema->n_keys; i++) {
+        size_t offset = schema->keys[i].offset;
+        if (offset < offsetof(struct phase_config, state) || entry_of(b, block, schema->keys[i].name) != NULL)
+            continue;
+        offset -= offsetof(struct phase_config, state);
+        memcpy((char *)to + offset, (const char *)from + offset, sizeof(double));
+    }
+    memcpy(to->name, from->name, sizeof to->name);
+    to->mass = from->mass;
+    to->t0 = from->t0;
+}
+
+/* The phase that phase i forms from: -1, the material; -2 after a finding. */
+static int phase_from(struct deck_binding *b, size_t i)
+{
+    const struct phase_config *phases = b->config->phases, *phase = &phases[i];
+    struct deck_place place = binding_place(b, b->phase_block[i], "from", 0);
+    if (phase->from_name[0] == '\0')
+        return -1;
+    for (size_t k = 0; k < i; k++)
+        if (phases[k].material == phase->material && strcmp(phases[k].name, phase->from_name) == 0)
+            return (int)k;
+    findings_error(b->findings, place, "the material '%s' has no phase '%s' before this one",
+                   b->config->materials[phase->material].name, phase->from_name);
+    return -2;
+}
+
+static bool bind_phases(struct deck_binding *b)
+{
+    struct config *c = b->config;
+    size_t n = collect(b, BLOCK_PHASE, PHASE_MAX, b->phase_block, 0);
+    c->phases = mem_zalloc(n, sizeof *c->phases);
+    if (c->phases == NULL)
+        return false;
+    for (size_t k = 0; k < n; k++) {
+        struct phase_config *phase = &c->phases[c->n_phases];
+        size_t block = b->phase_block[c->n_phases] = b->phase_block[k];
+        struct deck_place name = name_of(b, block, 1);
+        *phase = (struct phase_config){.material = binding_material(b, name_of(b, block, 0))};
+        memcpy(phase->name, place_bytes(b->tree->source, name), name.length);
+        schema_defaults(schema_block(BLOCK_PHASE), phase);
+        read_block(b, block, phase);
+        if (phase->material < 0)
+            continue;
+        for (size_t i = 0; i < c->n_phases; i++)
+            if (c->phases[i].material == phase->material && strcmp(c->phases[i].name, phase->name) == 0)
+                findings_error(b->findings, name, "the material '%s' has a phase '%s' before",
+                               c->materials[phase->material].name, phase->name);
+        phase->from = phase_from(b, c->n_phases);
+        if (phase->from == -2)
+            continue;
+        inherit(b, block, phase->from < 0 ? &c->materials[phase->material] : &c->phases[phase->from].state,
+                &phase->state);
+        c->n_phases++;
+    }
+    return true;
+}
+
+static bool bind_reactions(struct deck_binding *b)
+{
+    struct config *c = b->config;
+    size_t n = collect(b, BLOCK_REACTION, REACTION_MAX, b->reaction_block, 0);
+    c->reactions = mem_zalloc(n, sizeof *c->reactions);
+    if (c->reactions == NULL)
+        return false;
+    c->n_reactions = n;
+    for (size_t i = 0; i < n; i++) {
+        struct reaction_config *r = &c->reactions[i];
+        *r = (struct reaction_config){.reactant = {-1, -1}, .product = -1};
+        schema_defaults(schema_block(BLOCK_REACTION), r);
+        read_block(b, b->reaction_block[i], r);
+    }
+    return n == 0 || name_things(b, b->reaction_block, n, c->reactions[0].name, sizeof *c->reactions);
+}
+
+static bool bind_bodies(struct deck_binding *b)
+{
+    struct config *c = b->config;
+    size_t n = collect(b, BLOCK_BODY, BODY_MAX, b->body_block, 0);
+    c->bodies = mem_zalloc(n, sizeof *c->bodies);
+    if (c->bodies == NULL)
+        return false;
+    c->n_bodies = n;
+    for (size_t i = 0; i < n; i++) {
+        struct body_config *body = &c->bodies[i];
+        size_t block = b->body_block[i];
+        schema_defaults(schema_block(BLOCK_BODY), body);
+        read_block(b, block, body);
+        if (entry_of(b, block, "row_spacing") == NULL)
+            body->row_spacing =
+                body->lattice == LATTICE_HEXAGONAL ? body->spacing * 0.86602540378443864676 : body->spacing;
+        if (entry_of(b, block, "radius") == NULL)
+            body->radius = body->spacing / 2;
+        if (binding_given(b, block, "solid_fraction"))
+            body->packing_place = findings_place(b->findings, binding_place(b, block, "solid_fraction", 0));
+    }
+    return n == 0 || name_things(b, b->body_block, n, c->bodies[0].name, sizeof *c->bodies);
+}
+
+static bool bind_probes(struct deck_binding *b)
+{
+    struct config *c = b->config;
+    size_t n = collect(b, BLOCK_PROBE, PROBE_MAX, b->probe_block, 0);
+    c->probes = mem_zalloc(n, sizeof *c->probes);
+    if (c->probes == NULL)
+        return false;
+    c->n_probes = n;
+    for (size_t i = 0; i < n; i++) {
+        schema_defaults(schema_block(BLOCK_PROBE), &c->probes[i]);
+        read_block(b, b->probe_block[i], &c->probes[i]);
+    }
+    return n == 0 || name_things(b, b->probe_block, n, c->probes[0].name, sizeof *c->probes);
+}
+
+/* After domain and time, which the defaults come from. */
+static bool bind_profiles(struct deck_binding *b)
+{
+    struct config *c = b->config;
+    size_t n = collect(b, BLOCK_PROFILE, PROFILE_MAX, b->profile_block, 0);
+    c->profiles = mem_zalloc(n, sizeof *c->profiles);
+    if (c->profiles == NULL)
+        return false;
+    c->n_profiles = n;
+    for (size_t i = 0; i < n; i++) {
+        struct profile_config *profile = &c->profiles[i];
+        size_t block = b->profile_block[i];
+        schema_defaults(schema_block(BLOCK_PROFILE), profile);
+        read_block(b, block, profile);
+        if (entry_of(b, block, "range") == NULL) {
+            profile->range[0] = c->origin[profile->axis];
+            profile->range[1] = c->origin[profile->axis] + c->size[profile->axis];
+        }
+        if (profile->every < 1)
+            profile->every = c->steps / 20 > 1 ? c->steps / 20 : 1;
+    }
+    return n == 0 || name_things(b, b->profile_block, n, c->profiles[0].name, sizeof *c->profiles);
+}
+
+static bool bind_voids(struct deck_binding *b)
+{
+    struct config *c = b->config;
+    size_t n = collect(b, BLOCK_VOID, VOID_MAX, b->void_block, 0);
+    c->voids = mem_zalloc(n, sizeof *c->voids);
+    if (c->voids == NULL)
+        return false;
+    c->n_voids = n;
+    for (size_t i = 0; i < n; i++) {
+        c->voids[i].body = -1;
+        read_block(b, b->void_block[i], &c->voids[i]);
+    }
+    return n == 0 || name_things(b, b->void_block, n, c->voids[0].name, sizeof *c->voids);
+}
+
+static bool bind_flaws(struct deck_binding *b)
+{
+    struct config *c = b->config;
+    size_t n = collect(b, BLOCK_FLAW, FLAW_MAX, b->flaw_block, 0);
+    c->flaws = mem_zalloc(n, sizeof *c->flaws);
+    if (c->flaws == NULL)
+        return false;
+    c->n_flaws = n;
+    for (size_t i = 0; i < n; i++) {
+        c->flaws[i].body = -1;
+        schema_defaults(schema_block(BLOCK_FLAW), &c->flaws[i]);
+        read_block(b, b->flaw_block[i], &c->flaws[i]);
+    }
+    return n == 0 || name_things(b, b->flaw_block, n, c->flaws[0].name, sizeof *c->flaws);
+}
+
+/* --- interactions ------------------------------------------------------------------------------------- */
+
+static bool rule_head(struct deck_binding *b, size_t block, struct interaction_rule *rule)
+{
+    static const char relations[] = "grain|body";
+    size_t first = 0;
+    *rule = (struct interaction_rule){.relation = -1, .material = {-1, -1}};
+    if (b->kinds[block] == BLOCK_INTERFACE) {
+        struct deck_place word = name_of(b, block, 0);
+        int choice = schema_find_choice(relations, place_bytes(b->tree->source, word), word.length);
+        struct place_text text;
+        if (choice < 0) {
+            findings_error(b->findings, word, "an interface is one of 'grain' and 'body', not '%s'",
+                           place_text(b->tree->source, word, &text));
+            return false;
+        }
+        rule->relation = choice == 0 ? RELATION_OTHER_GRAIN : RELATION_OTHER_BODY;
+        first = 1;
+    }
+    bool ok = true;
+    for (size_t i = first; i < block_at(b, block)->n_names; i++) {
+        rule->material[i - first] = binding_material(b, bare_name_of(b, block, i));
+        ok = ok && rule->material[i - first] >= 0;
+    }
+    if (rule->material[0] > rule->material[1]) {
+        int swap = rule->material[0];
+        rule->material[0] = rule->material[1];
+        rule->material[1] = swap;
+    }
+    return ok;
+}
+
+/* One number for what a rule is about. */
+static long rule_key(const struct interaction_rule *rule)
+{
+    return ((long)(rule->relation + 1) * (MATERIAL_MAX + 1) + rule->material[0] + 1) * (MATERIAL_MAX + 1) +
+           rule->material[1] + 1;
+}
+
+static bool bind_rules(struct deck_binding *b)
+{
+    struct config *c = b->config;
+    size_t n = collect(b, BLOCK_INTERACTION, RULE_MAX, b->rule_block, 0);
+    n = collect(b, BLOCK_INTERFACE, RULE_MAX, b->rule_block, n);
+    unsigned char *seen =
+        mem_zalloc((size_t)(RELATION_COUNT + 1) * (MATERIAL_MAX + 1) * (MATERIAL_MAX + 1), 1);
+    c->rules = mem_zalloc(n, sizeof *c->rules);
+    bool ok = c->rules != NULL && seen != NULL;
+    for (size_t i = 0; ok && i < n; i++) {
+        struct interaction_rule *rule = &c->rules[c->n_rules];
+        size_t block = b->rule_block[i];
+        bool head = rule_head(b, block, rule);
+        read_entries(b, block, &rule->value, &rule->set, &rule->bad);
+        if (head && seen[rule_key(rule)])
+            findings_error(b->findings, block_at(b, block)->word,
+                           "there is a block for the same pair before");
+        if (!head)
+            continue;
+        seen[rule_key(rule)] = 1;
+        b->rule_block[c->n_rules++] = block;
+    }
+    free(seen);
+    return ok;
+}
+
+static void bind_single(struct deck_binding *b, enum block_kind kind)
+{
+    size_t block = b->single[kind];
+    if (block < b->tree->n_blocks && check_head(b, block))
+        read_block(b, block, b->config);
+}
+
+bool deck_bind(struct deck_binding *b, int64_t steps)
+{
+    struct config *c = b->config;
+    b->steps_replaced = steps >= 0;
+    if (!find_kinds(b)) {
+        b->findings->no_memory = true;
+        return false;
+    }
+    schema_defaults(schema_block(BLOCK_DOMAIN), c);
+    schema_defaults(schema_block(BLOCK_TIME), c);
+    schema_defaults(schema_block(BLOCK_OUTPUT), c);
+    c->output.vtp = true;
+    bool ok = bind_materials(b) && bind_phases(b) && bind_reactions(b) && bind_rules(b) && bind_bodies(b) &&
+              bind_voids(b) && bind_flaws(b) && bind_probes(b);
+    bind_single(b, BLOCK_DOMAIN);
+    bind_single(b, BLOCK_TIME);
+    if (binding_given(b, b->single[BLOCK_TIME], "dt"))
+        c->dt_place = findings_place(b->findings, binding_place(b, b->single[BLOCK_TIME], "dt", 0));
+    bind_single(b, BLOCK_OUTPUT);
+    check_missing_blocks(b);
+    if (steps >= 0)
+        c->steps = steps;
+    ok = bind_profiles(b) && ok;
+    if (c->output.history_every < 0)
+        c->output.history_every = c->steps / 200 > 150 ? c->steps / 200 : 150;
+    b->findings->no_memory |= !ok;
+    return !b->findings->no_memory;
+}
+
+void deck_binding_free(struct deck_binding *b)
+{
+    free(b->kinds);
+    free(b->material_block);
+    free(b->body_block);
+    free(b->probe_block);
+    free(b->profile_block);
+    free(b->void_block);
+    free(b->flaw_block);
+    free(b->rule_block);
+    free(b->phase_block);
+    free(b->reaction_block);
+}

@@ -1,0 +1,321 @@
+/* Bodies and probes: shapes, what they are made of, whether they lie in the domain and apart from one
+ * another. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "dm2/base/mem.h"
+#include "dm2/deck/check.h"
+#include "dm2/deck/shape.h"
+
+enum { BOX_WORDS = 4 };
+
+static bool body_shape_known(const struct deck_binding *b, size_t body)
+{
+    return binding_given(b, b->body_block[body], "shape");
+}
+
+/* What is wrong with the shape alone; NULL: nothing. */
+static const char *shape_problem(const struct shape_config *s)
+{
+    if (s->kind == SHAPE_RECTANGLE && !(s->box[0] < s->box[2] && s->box[1] < s->box[3]))
+        return "a rectangle is x0 y0 x1 y1 with x0 < x1 and y0 < y1";
+    if (s->kind == SHAPE_DISC && !(s->radius > 0))
+        return "a disc is x y radius with a radius greater than 0";
+    if (s->kind == SHAPE_POLYGON && shape_crosses_itself(s))
+        return "the edges of this polygon cross or touch one another";
+    if (!(shape_area(s) > 0) || !isfinite(shape_area(s)))
+        return "the area of this shape is not a positive number";
+    return NULL;
+}
+
+static bool check_shape(const struct deck_binding *b, size_t i)
+{
+    struct deck_place place = binding_place(b, b->body_block[i], "shape", 0);
+    const char *problem = shape_problem(&b->config->bodies[i].shape);
+    if (problem != NULL)
+        findings_error(b->findings, place, "%s", problem);
+    return problem == NULL;
+}
+
+static void check_mix(const struct deck_binding *b, size_t i)
+{
+    const struct body_config *body = &b->config->bodies[i];
+    size_t block = b->body_block[i];
+    struct number_text t, tm;
+    double sum = 0;
+    if (binding_missing(b, block, "material") && binding_missing(b, block, "mix"))
+        findings_error(b->findings, binding_place(b, block, "material", 0),
+                       "the body '%s' lacks 'material' or 'mix'", body->name);
+    if (binding_given(b, block, "material") && binding_given(b, block, "mix"))
+        findings_error(b->findings, binding_place(b, block, "mix", 0), "give 'material' or 'mix', not both");
+    for (size_t m = 0; m < body->n_mix; m++) {
+        const struct material_config *material = &b->config->materials[body->mix_material[m]];
+        sum += body->mix_fraction[m];
+        if (body->temperature >= material->tm)
+            findings_error(b->findings, binding_place(b, block, "temperature", 0),
+                           "the body '%s' starts at %s K, but its material '%s' melts at %s K", body->name,
+                           number_text(body->temperature, &t), material->name,
+                           number_text(material->tm, &tm));
+    }
+    if (body->n_mix > 0 && fabs(sum - 1) > 1e-6)
+        findings_error(b->findings, binding_place(b, block, "mix", 0),
+                       "the fractions of the mix sum to %.9g, not to 1", sum);
+}
+
+/* A fixed body has no velocity, one of prescribed motion no random one. */
+static void check_motion(const struct deck_binding *b, size_t i)
+{
+    const struct body_config *body = &b->config->bodies[i];
+    size_t block = b->body_block[i];
+    if (body->motion == MOTION_FIXED && (body->velocity[0] != 0 || body->velocity[1] != 0) &&
+        binding_given(b, block, "velocity"))
+        findings_error(b->findings, binding_place(b, block, "velocity", 0),
+                       "the body '%s' is fixed: it has no velocity; 'motion = driven' keeps one", body->name);
+    if (body->motion != MOTION_FREE && body->jitter > 0)
+        findings_error(b->findings, binding_place(b, block, "jitter", 0),
+                       "the motion of the body '%s' is prescribed: it has no random velocities", body->name);
+}
+
+static void check_no_meaning(const struct deck_binding *b, size_t block, const char *key,
+                             const char *structure)
+{
+    if (binding_given(b, block, key))
+        findings_error(b->findings, binding_place(b, block, key, 0),
+                       "'%s' has no meaning for a body whose structure is %s", key, structure);
+}
+
+/* Grains: what each structure needs, and what it cannot use. */
+static void check_structure(const struct deck_binding *b, size_t i)
+{
+    static const char *const names[] = {"crystal", "polycrystal", "discs", "polygons"};
+    const struct body_config *body = &b->config->bodies[i];
+    const char *structure = names[body->structure];
+    size_t block = b->body_block[i];
+    struct number_text size, spacing;
+    bool crystal = body->structure == STRUCTURE_CRYSTAL,
+         powder = !crystal && body->structure != STRUCTURE_POLYCRYSTAL;
+    if (!crystal && binding_missing(b, block, "grain_size"))
+        findings_error(b->findings, binding_place(b, block, "structure", 0),
+                       "the body '%s' lacks 'grain_size'", body->name);
+    if (powder && binding_missing(b, block, "solid_fraction"))
+        findings_error(b->findings, binding_place(b, block, "structure", 0),
+                       "the body '%s' lacks 'solid_fraction'", body->name);
+    if (powder && body->shape.kind == SHAPE_POLYGON && binding_given(b, block, "shape"))
+        findings_error(b->findings, binding_place(b, block, "shape", 0),
+                       "a powder fills a rectangle or a disc, not a polygon");
+    if (body->grain_size * (1 - body->grain_spread) < 2 * body->radius)
+        findings_error(b->findings, binding_place(b, block, "grain_size", 0),
+                       "a grain of %s cm is smaller than an element of %s cm",
+                       number_text(body->grain_size * (1 - body->grain_spread), &size),
+                       number_text(2 * body->radius, &spacing));
+    double box[BOX_WORDS], largest = body->grain_size * (1 + body->grain_spread);
+    shape_box(&body->shape, box);
+    if (powder && body_shape_known(b, i) && (largest > box[2] - box[0] || largest > box[3] - box[1]))
+        findings_error(b->findings, binding_place(b, block, "grain_size", 0),
+                       "a grain of %s cm does not fit into the body '%s'", number_text(largest, &size),
+                       body->name);
+    if (crystal)
+        check_no_meaning(b, block, "grain_size", structure);
+    if (!powder) {
+        check_no_meaning(b, block, "grain_spread", structure);
+        check_no_meaning(b, block, "solid_fraction", structure);
+    }
+    if (!crystal) {
+        check_no_meaning(b, block, "origin", structure);
+        check_no_meaning(b, block, "angle", structure);
+    }
+}
+
+static void check_in_domain(const struct deck_binding *b, size_t i)
+{
+    const struct config *c = b->config;
+    double box[BOX_WORDS];
+    bool inside = true, outside = false;
+    shape_box(&c->bodies[i].shape, box);
+    for (int a = 0; a < 2; a++) {
+        double low = c->origin[a], high = c->origin[a] + c->size[a];
+        if (!isfinite(low) || !isfinite(high))
+            return;
+        inside = inside && box[a] >= low && box[a + 2] <= high;
+        outside = outside || box[a] >= high || box[a + 2] <= low;
+    }
+    struct deck_place place = binding_place(b, b->body_block[i], "shape", 0);
+    if (outside)
+        findings_error(b->findings, place, "the body '%s' lies outside the domain", c->bodies[i].name);
+    else if (!inside)
+        findings_warn(b->findings, place, "the body '%s' lies partly outside the domain", c->bodies[i].name);
+}
+
+static double estimate(const struct body_config *body)
+{
+    return shape_area(&body->shape) / (body->spacing * body->row_spacing);
+}
+
+struct extent {
+    double box[BOX_WORDS];
+    size_t body;
+};
+
+static int compare_extents(const void *a, const void *b)
+{
+    const struct extent *x = a, *y = b;
+    if (x->box[0] != y->box[0])
+        return x->box[0] < y->box[0] ? -1 : 1;
+    return x->body < y->body ? -1 : x->body > y->body;
+}
+
+/* Has one of the bodies a void of its own where the other is? Then it makes room for it; should it not,
+ * elements that overlap are found when they are made. */
+static bool room_made(const struct config *c, size_t i, size_t j)
+{
+    for (size_t k = 0; k < c->n_voids; k++) {
+        int body = c->voids[k].body;
+        if (body >= 0 && ((size_t)body == i || (size_t)body == j) &&
+            shape_overlaps(&c->voids[k].shape, &c->bodies[(size_t)body == i ? j : i].shape))
+            return true;
+    }
+    return false;
+}
+
+static void check_overlap(const struct deck_binding *b, size_t i, size_t j)
+{
+    /* The later one of the deck is told about. */
+    size_t first = i < j ? i : j, second = i < j ? j : i;
+    const struct body_config *x = &b->config->bodies[first], *y = &b->config->bodies[second];
+    struct deck_place place = binding_place(b, b->body_block[second], "shape", 0);
+    bool bad = binding_bad(b, b->body_block[i], "velocity") || binding_bad(b, b->body_block[j], "velocity");
+    if (bad || !shape_overlaps(&x->shape, &y->shape) || room_made(b->config, first, second))
+        return;
+    if (x->velocity[0] != y->velocity[0] || x->velocity[1] != y->velocity[1])
+        findings_error(b->findings, place, "the bodies '%s' and '%s' overlap, and their velocities differ",
+                       x->name, y->name);
+    else
+        findings_warn(b->findings, place, "the bodies '%s' and '%s' overlap: elements may lie on one another",
+                      x->name, y->name);
+}
+
+/* Sweeps over the bodies from left to right. */
+static void check_overlaps(const struct deck_binding *b, struct extent *extents, size_t n)
+{
+    qsort(extents, n, sizeof *extents, compare_extents);
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = i + 1; j < n && extents[j].box[0] < extents[i].box[2] && !b->findings->more_errors;
+             j++)
+            check_overlap(b, extents[i].body, extents[j].body);
+}
+
+static void check_probes(const struct deck_binding *b, const struct extent *extents, size_t n)
+{
+    for (size_t i = 0; i < b->config->n_probes; i++) {
+        const double *box = b->config->probes[i].box;
+        struct deck_place place = binding_place(b, b->probe_block[i], "region", 0);
+        struct shape_config region = {.kind = SHAPE_RECTANGLE, .box = {box[0], box[1], box[2], box[3]}};
+        bool meets = n < b->config->n_bodies || n == 0;
+        if (!binding_given(b, b->probe_block[i], "region"))
+            continue;
+        if (!(box[0] < box[2] && box[1] < box[3])) {
+            findings_error(b->findings, place, "a region is x0 y0 x1 y1 with x0 < x1 and y0 < y1");
+            continue;
+        }
+        for (size_t j = 0; j < n && !meets; j++)
+            meets = shape_overlaps(&region, &b->config->bodies[extents[j].body].shape);
+        if (!meets)
+            findings_error(b->findings, place, "the region of the probe '%s' holds no body",
+                           b->config->probes[i].name);
+    }
+}
+
+/* Does a void or a flaw meet its body, or any? True also where that is not known. */
+static bool meets_a_body(const struct deck_binding *b, const struct shape_config *shape, int body)
+{
+    const struct config *c = b->config;
+    for (size_t i = 0; i < c->n_bodies; i++) {
+        if (body >= 0 && (size_t)body != i)
+            continue;
+        if (!body_shape_known(b, i) || shape_overlaps(shape, &c->bodies[i].shape))
+            return true;
+    }
+    return c->n_bodies == 0;
+}
+
+static void check_voids(const struct deck_binding *b)
+{
+    for (size_t i = 0; i < b->config->n_voids; i++) {
+        const struct void_config *v = &b->config->voids[i];
+        size_t block = b->void_block[i];
+        if (!binding_given(b, block, "shape") || binding_bad(b, block, "body"))
+            continue;
+        const char *problem = shape_problem(&v->shape);
+        if (problem != NULL)
+            findings_error(b->findings, binding_place(b, block, "shape", 0), "%s", problem);
+        else if (!meets_a_body(b, &v->shape, v->body))
+            findings_error(b->findings, binding_place(b, block, "shape", 0), "the void '%s' lies outside %s",
+                           v->name, v->body >= 0 ? "its body" : "every body");
+    }
+}
+
+/* The line as a sliver with an area, for shape_overlaps. */
+static struct shape_config sliver(const double line[4])
+{
+    double dx = line[2] - line[0], dy = line[3] - line[1], thin = 1e-9;
+    struct shape_config s = {.kind = SHAPE_POLYGON,
+                             .n_vertices = 4,
+                             .vertex = {{line[0], line[1]},
+                                        {line[2], line[3]},
+                                        {line[2] - thin * dy, line[3] + thin * dx},
+                                        {line[0] - thin * dy, line[1] + thin * dx}}};
+    return s;
+}
+
+static void check_flaws(const struct deck_binding *b)
+{
+    for (size_t i = 0; i < b->config->n_flaws; i++) {
+        const struct flaw_config *f = &b->config->flaws[i];
+        size_t block = b->flaw_block[i];
+        struct shape_config s = sliver(f->line);
+        if (!binding_given(b, block, "line") || binding_bad(b, block, "body"))
+            continue;
+        if (f->line[0] == f->line[2] && f->line[1] == f->line[3])
+            findings_error(b->findings, binding_place(b, block, "line", 0),
+                           "a line is x0 y0 x1 y1 between two points");
+        else if (!meets_a_body(b, &s, f->body))
+            findings_error(b->findings, binding_place(b, block, "line", 0), "the flaw '%s' lies outside %s",
+                           f->name, f->body >= 0 ? "its body" : "every body");
+    }
+}
+
+bool check_bodies(const struct deck_binding *b)
+{
+    size_t n = 0;
+    double elements = 0;
+    struct extent *extents = mem_zalloc(b->config->n_bodies, sizeof *extents);
+    if (extents == NULL) {
+        b->findings->no_memory = true;
+        return false;
+    }
+    for (size_t i = 0; i < b->config->n_bodies; i++) {
+        const struct body_config *body = &b->config->bodies[i];
+        check_mix(b, i);
+        check_motion(b, i);
+        check_structure(b, i);
+        if (!body_shape_known(b, i) || !check_shape(b, i))
+            continue;
+        check_in_domain(b, i);
+        shape_box(&body->shape, extents[n].box);
+        extents[n++].body = i;
+        double own = estimate(body);
+        elements += own > 0 ? own : 0;
+        if (elements > DECK_MAX_ELEMENTS) {
+            findings_error(b->findings, binding_place(b, b->body_block[i], "spacing", 0),
+                           "the deck would have about %.3g elements with the body '%s'; the most is %.3g",
+                           elements, body->name, DECK_MAX_ELEMENTS);
+            elements = 0;
+        }
+    }
+    check_overlaps(b, extents, n);
+    check_probes(b, extents, n);
+    check_voids(b);
+    check_flaws(b);
+    free(extents);
+    return true;
+}

@@ -1,0 +1,132 @@
+/* Phases and the reaction: constants that they need, and constants that would make them undo themselves or
+ * begin at once. Values that were bad are NaN; comparisons are written so that NaN triggers nothing. */
+#include <math.h>
+
+#include "dm2/deck/check.h"
+
+static void warn_given(const struct deck_binding *b, size_t block, const char *key, const char *where)
+{
+    if (binding_given(b, block, key))
+        findings_warn(b->findings, binding_place(b, block, key, 0), "'%s' has no meaning for %s", key, where);
+}
+
+static const struct material_config *state_before(const struct config *c, const struct phase_config *phase)
+{
+    return phase->from < 0 ? &c->materials[phase->material] : &c->phases[phase->from].state;
+}
+
+/* The drop of temperature that forming the phase makes must not take it below the line that it goes back at.
+ */
+static void check_hysteresis(const struct deck_binding *b, size_t i)
+{
+    const struct phase_config *phase = &b->config->phases[i];
+    const struct material_config *from = state_before(b->config, phase);
+    struct number_text got, want;
+    double cp = phase->state.cp < from->cp ? phase->state.cp : from->cp;
+    double drop = phase->latent / cp, ratio = from->rho0 / phase->state.rho0;
+    struct deck_place place = binding_place(b, b->phase_block[i], "hysteresis_t", 0);
+    if (phase->reversible && phase->transition == TRANSITION_TEMPERATURE && phase->hysteresis_t <= drop &&
+        drop > 0)
+        findings_error(b->findings, place,
+                       "hysteresis_t = %s K is not above latent/cp = %s K, by which the temperature falls "
+                       "when '%s' forms: it "
+                       "would go back at once",
+                       number_text(phase->hysteresis_t, &got), number_text(drop, &want), phase->name);
+    double relief = from->rho0 * (from->c0 * from->c0) * (1.0 - ratio);
+    if (phase->reversible && phase->transition == TRANSITION_PRESSURE && phase->hysteresis_p < 0.5 * relief)
+        findings_warn(b->findings, binding_place(b, b->phase_block[i], "hysteresis_p", 0),
+                      "hysteresis_p = %s Mbar is small against the pressure that the smaller volume of '%s' "
+                      "relieves, about %s "
+                      "Mbar: elements may go to and fro",
+                      number_text(phase->hysteresis_p, &got), phase->name, number_text(relief, &want));
+}
+
+/* A body beyond the line at zero pressure would change at its first step. */
+static void check_start(const struct deck_binding *b, size_t i)
+{
+    const struct phase_config *phase = &b->config->phases[i];
+    struct number_text t;
+    for (size_t k = 0; k < b->config->n_bodies && phase->from < 0; k++) {
+        const struct body_config *body = &b->config->bodies[k];
+        double above = phase->transition == TRANSITION_PRESSURE
+                           ? -(phase->p_line + phase->dp_dt * (body->temperature - phase->t_line))
+                           : body->temperature - (phase->t_line - phase->dt_dp * phase->p_line);
+        for (size_t m = 0; m < body->n_mix; m++)
+            if (body->mix_material[m] == phase->material && above > 0)
+                findings_error(b->findings, binding_place(b, b->body_block[k], "temperature", 0),
+                               "the body '%s' starts at %s K and without pressure, where its material '%s' "
+                               "is already the "
+                               "phase '%s'",
+                               body->name, number_text(body->temperature, &t),
+                               b->config->materials[phase->material].name, phase->name);
+    }
+}
+
+static void check_phase(const struct deck_binding *b, size_t i)
+{
+    const struct phase_config *phase = &b->config->phases[i];
+    const struct material_config *from = state_before(b->config, phase);
+    size_t block = b->phase_block[i], parent = b->material_block[phase->material];
+    bool by_pressure = phase->transition == TRANSITION_PRESSURE;
+    if (!binding_given(b, block, "transition"))
+        return;
+    warn_given(b, block, by_pressure ? "dt_dp" : "dp_dt",
+               by_pressure ? "a transition by pressure" : "a transition by temperature");
+    warn_given(b, block, by_pressure ? "hysteresis_t" : "hysteresis_p",
+               by_pressure ? "a transition by pressure" : "a transition by temperature");
+    if (binding_given(b, block, "rho0") && binding_given(b, parent, "mass"))
+        findings_error(
+            b->findings, binding_place(b, block, "rho0", 0),
+            "the material '%s' gives 'mass', not 'rho0', so that the volume of its phase '%s' is not known",
+            from->name, phase->name);
+    bool lacks = binding_missing(b, parent, "cp") && isnan(from->cp);
+    if (lacks && (phase->latent != 0 || !by_pressure || phase->dp_dt != 0 || binding_given(b, block, "cp")))
+        findings_error(
+            b->findings, binding_place(b, block, "transition", 0),
+            "the material '%s' lacks 'cp': without it temperatures stay, and the phase '%s' needs them",
+            from->name, phase->name);
+    check_hysteresis(b, i);
+    check_start(b, i);
+}
+
+static void check_reaction(const struct deck_binding *b, size_t i)
+{
+    const struct config *c = b->config;
+    const struct reaction_config *r = &c->reactions[i];
+    size_t block = b->reaction_block[i];
+    struct number_text first, other;
+    const int material[3] = {r->reactant[0], r->reactant[1], r->product};
+    if (r->kind == REACTION_STOICHIOMETRIC && binding_missing(b, block, "masses"))
+        findings_error(b->findings, binding_place(b, block, "masses", 0),
+                       "the reaction '%s' lacks 'masses': how much of each reactant goes into the product",
+                       r->name);
+    if (r->kind != REACTION_STOICHIOMETRIC)
+        warn_given(b, block, "masses", "a non-stoichiometric reaction");
+    for (int a = 0; a < 3; a++)
+        if (material[a] < 0)
+            return;
+    if (material[0] == material[1] || material[0] == material[2] || material[1] == material[2])
+        findings_error(b->findings, binding_place(b, block, "product", 0),
+                       "reactants and product of the reaction '%s' must be three materials", r->name);
+    for (int a = 0; a < 3; a++) {
+        const struct material_config *m = &c->materials[material[a]];
+        const char *key = a < 2 ? "reactants" : "product";
+        if (binding_missing(b, b->material_block[material[a]], "cp"))
+            findings_error(b->findings, binding_place(b, block, key, a < 2 ? (size_t)a : 0),
+                           "the material '%s' lacks 'cp', which its reaction needs", m->name);
+        if (m->t0 < c->materials[material[0]].t0 || m->t0 > c->materials[material[0]].t0)
+            findings_error(
+                b->findings, binding_place(b, block, key, a < 2 ? (size_t)a : 0),
+                "t0 of '%s' is %s K, of '%s' %s K: materials that react with each other need the same",
+                m->name, number_text(m->t0, &other), c->materials[material[0]].name,
+                number_text(c->materials[material[0]].t0, &first));
+    }
+}
+
+void check_chemistry(const struct deck_binding *b)
+{
+    for (size_t i = 0; i < b->config->n_phases; i++)
+        check_phase(b, i);
+    for (size_t i = 0; i < b->config->n_reactions; i++)
+        check_reaction(b, i);
+}

@@ -1,0 +1,216 @@
+/* Materials, and the interactions of the pairs of them that can meet: in one body, or in two. Each finding
+ * points at the block that has the last word on the keyword in question; a finding that several pairs share
+ * appears once. */
+#include <math.h>
+#include <string.h>
+
+#include "dm2/deck/check.h"
+
+struct pair_check {
+    const struct deck_binding *b;
+    int materials[2];
+    enum relation relation;
+    struct interaction_config law;
+};
+
+static void check_material(const struct deck_binding *b, size_t i)
+{
+    const struct material_config *m = &b->config->materials[i];
+    size_t block = b->material_block[i];
+    struct number_text t0, tm;
+    if (binding_missing(b, block, "rho0") && binding_missing(b, block, "mass"))
+        findings_error(b->findings, binding_place(b, block, "rho0", 0),
+                       "the material '%s' lacks 'rho0' (density) or 'mass' (of one element)", m->name);
+    if (binding_given(b, block, "rho0") && binding_given(b, block, "mass"))
+        findings_error(b->findings, binding_place(b, block, "mass", 0), "give 'rho0' or 'mass', not both");
+    if (m->t0 >= m->tm)
+        findings_error(b->findings, binding_place(b, block, "tm", 0),
+                       "'tm' = %s K must be above the reference temperature 't0' = %s K",
+                       number_text(m->tm, &tm), number_text(m->t0, &t0));
+    if (m->kappa > 0 && binding_missing(b, block, "cp"))
+        findings_warn(b->findings, binding_place(b, block, "kappa", 0),
+                      "without 'cp' temperatures stay as they are, so that nothing is conducted");
+}
+
+static int key_index(const char *key)
+{
+    return schema_find_key(schema_block(BLOCK_INTERACTION), key, strlen(key));
+}
+
+/* The block that decides on this keyword for the pair; tree->n_blocks: none, the default holds. */
+static size_t deciding_block(const struct pair_check *p, const char *key)
+{
+    int rule =
+        interaction_rule_of(p->b->config, p->materials[0], p->materials[1], p->relation, key_index(key));
+    return rule < 0 ? p->b->tree->n_blocks : p->b->rule_block[rule];
+}
+
+static bool set(const struct pair_check *p, const char *key)
+{
+    return deciding_block(p, key) < p->b->tree->n_blocks;
+}
+
+static struct deck_place key_place(const struct pair_check *p, const char *key)
+{
+    return binding_place(p->b, deciding_block(p, key), key, 0);
+}
+
+static const char *potential_name(enum potential_kind potential)
+{
+    return potential == POTENTIAL_QUADRATIC ? "quadratic"
+           : potential == POTENTIAL_MORSE   ? "morse"
+                                            : "lennard-jones";
+}
+
+/* Given for this potential: not in a more general block than the one that chooses the potential. */
+static bool given_for_potential(const struct pair_check *p, const char *key)
+{
+    const struct config *c = p->b->config;
+    int m = p->materials[0], n = p->materials[1];
+    int rule = interaction_rule_of(c, m, n, p->relation, key_index(key));
+    int potential = interaction_rule_of(c, m, n, p->relation, key_index("potential"));
+    if (rule < 0 || potential < 0)
+        return rule >= 0;
+    return interaction_rule_rank(&c->rules[rule], m, n, p->relation) >=
+           interaction_rule_rank(&c->rules[potential], m, n, p->relation);
+}
+
+static void warn_meaningless(const struct pair_check *p, const char *key)
+{
+    if (given_for_potential(p, key))
+        findings_warn(p->b->findings, key_place(p, key), "'%s' has no meaning for the potential %s", key,
+                      potential_name(p->law.potential));
+}
+
+/* Keywords of another potential, and Hugoniot data that the potential cannot follow. */
+static void check_potential(const struct pair_check *p)
+{
+    bool lj = p->law.potential == POTENTIAL_LENNARD_JONES, morse = p->law.potential == POTENTIAL_MORSE;
+    if (!morse)
+        warn_meaningless(p, "shape");
+    if (!lj) {
+        warn_meaningless(p, "epsilon");
+        warn_meaningless(p, "sigma");
+    } else if (set(p, "epsilon") != set(p, "sigma")) {
+        findings_error(
+            p->b->findings, key_place(p, set(p, "epsilon") ? "epsilon" : "sigma"),
+            "'epsilon' and 'sigma' go together, or neither is given and both follow from the stiffness");
+    }
+    for (int i = 0; i < 2 && !morse; i++)
+        if (binding_given(p->b, p->b->material_block[p->materials[i]], "s") && !set(p, "epsilon"))
+            findings_warn(
+                p->b->findings, key_place(p, "potential"),
+                "the potential %s has s = %s built in: only rho0 c0^2 of '%s' can be fitted, not its s",
+                potential_name(p->law.potential), lj ? "3" : "0.375",
+                p->b->config->materials[p->materials[i]].name);
+}
+
+/* Does the pair have a stiffness and, for Morse, a shape? */
+static void check_calibration(const struct pair_check *p)
+{
+    static const char *const needed[] = {"rho0", "c0", "s"};
+    bool stiffness = !set(p, "k") && !(p->law.potential == POTENTIAL_LENNARD_JONES && set(p, "epsilon"));
+    bool shape = p->law.potential == POTENTIAL_MORSE && !set(p, "shape");
+    for (int i = 0; i < 2; i++) {
+        size_t block = p->b->material_block[p->materials[i]];
+        const char *name = p->b->config->materials[p->materials[i]].name;
+        /* Without rho0 and mass the material has its own finding. */
+        bool massive = binding_given(p->b, block, "mass");
+        for (int k = 0; k < 3; k++) {
+            if (!(k < 2 ? stiffness : shape) || !binding_missing(p->b, block, needed[k]) ||
+                (k == 0 && !massive))
+                continue;
+            findings_error(
+                p->b->findings, binding_place(p->b, block, "", 0),
+                k < 2 ? "the material '%s' lacks '%s', from which the stiffness of its pairs follows; "
+                        "or give 'k', or 'epsilon' and 'sigma' of lennard-jones, in the interaction"
+                      : "the material '%s' lacks '%s', from which the potential's shape follows; or give "
+                        "'shape' in the interaction",
+                name, needed[k]);
+        }
+    }
+}
+
+/* What bounds a stiffness that is not there. */
+static void check_yield(const struct pair_check *p)
+{
+    int m = p->materials[0];
+    size_t block = p->b->material_block[m];
+    if (p->materials[1] == m && !set(p, "kt_ratio") && p->b->config->materials[m].yield > 0 &&
+        binding_given(p->b, block, "yield") && binding_missing(p->b, block, "shear"))
+        findings_warn(p->b->findings, binding_place(p->b, block, "yield", 0),
+                      "'yield' bounds the shear stiffness, and without 'shear' (or 'kt_ratio' in the interaction) '%s' "
+                      "has none", p->b->config->materials[m].name);
+}
+
+static void check_ranges(const struct pair_check *p)
+{
+    const struct config *c = p->b->config;
+    double reach = p->law.link_break * check_contact_distance(c);
+    struct number_text a, b;
+    if (p->law.scope == SCOPE_LINKED && set(p, "cutoff"))
+        findings_warn(p->b->findings, key_place(p, "cutoff"), "'cutoff' has no meaning for the scope linked");
+    if (p->law.scope == SCOPE_ALL && p->law.cutoff > c->r_c)
+        findings_error(p->b->findings, key_place(p, "cutoff"),
+                       "'cutoff' = %s cm is beyond r_c = %s cm, up to which pairs are found",
+                       number_text(p->law.cutoff, &a), number_text(c->r_c, &b));
+    if ((p->law.linked || p->law.link_form > 0) && c->r_c < reach && c->r_c >= check_contact_distance(c))
+        findings_error(p->b->findings, binding_place(p->b, p->b->single[BLOCK_DOMAIN], "r_c", 0),
+                       "r_c = %s cm is below %g cm, to where links stretch before they break at link_break",
+                       number_text(c->r_c, &a), reach);
+}
+
+static void check_pair(const struct deck_binding *b, int m, int n, enum relation relation)
+{
+    struct pair_check p = {b, {m, n}, relation, config_interaction(b->config, m, n, relation)};
+    for (size_t i = 0; i < b->config->n_rules; i++)
+        if (interaction_rule_rank(&b->config->rules[i], m, n, relation) >= 0 && b->config->rules[i].bad != 0)
+            return;
+    check_potential(&p);
+    check_calibration(&p);
+    check_ranges(&p);
+    check_yield(&p);
+}
+
+struct usage {
+    unsigned char together[MATERIAL_MAX][MATERIAL_MAX]; /* in one body */
+    size_t bodies[MATERIAL_MAX];                        /* how many have it */
+    size_t last[MATERIAL_MAX];                          /* the last of them */
+};
+
+static void count_usage(const struct config *c, struct usage *u)
+{
+    for (size_t i = 0; i < c->n_bodies; i++) {
+        const struct body_config *body = &c->bodies[i];
+        for (size_t x = 0; x < body->n_mix; x++) {
+            u->bodies[body->mix_material[x]]++;
+            u->last[body->mix_material[x]] = i;
+            for (size_t y = 0; y < body->n_mix; y++)
+                u->together[body->mix_material[x]][body->mix_material[y]] = 1;
+        }
+    }
+}
+
+/* Can an element of m in one body meet one of n in another? */
+static bool apart(const struct usage *u, size_t m, size_t n)
+{
+    if (u->bodies[m] == 0 || u->bodies[n] == 0)
+        return false;
+    return u->bodies[m] > 1 || u->bodies[n] > 1 || u->last[m] != u->last[n];
+}
+
+void check_materials(const struct deck_binding *b)
+{
+    struct usage u;
+    memset(&u, 0, sizeof u);
+    count_usage(b->config, &u);
+    for (size_t m = 0; m < b->config->n_materials; m++) {
+        check_material(b, m);
+        for (size_t n = 0; n <= m && !b->findings->more_errors; n++) {
+            if (u.together[m][n])
+                check_pair(b, (int)n, (int)m, RELATION_SAME_GRAIN);
+            if (apart(&u, m, n))
+                check_pair(b, (int)n, (int)m, RELATION_OTHER_BODY);
+        }
+    }
+}

@@ -1,0 +1,99 @@
+/* Puts an interaction together from the rules of the deck. A rule is a set of fields; the more specific one
+ * wins field by field, so that `interface body { linked = no }` changes nothing else. */
+#include "dm2/deck/config.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dm2/deck/schema.h"
+#include "dm2/deck/interaction_rule.h"
+
+int interaction_rule_rank(const struct interaction_rule *rule, int a, int b, enum relation relation)
+{
+    bool any = rule->material[0] < 0;
+    bool same = rule->material[0] == a && rule->material[1] == b;
+    bool swapped = rule->material[0] == b && rule->material[1] == a;
+    if ((!any && !same && !swapped) || (rule->relation >= 0 && rule->relation != (int)relation))
+        return -1;
+    return (any ? 0 : 2) + (rule->relation >= 0 ? 1 : 0);
+}
+
+int interaction_rule_of(const struct config *c, int a, int b, enum relation relation, int key)
+{
+    int best = -1, best_rank = -1;
+    for (size_t i = 0; i < c->n_rules; i++) {
+        int rank = interaction_rule_rank(&c->rules[i], a, b, relation);
+        if (rank > best_rank && (c->rules[i].set >> key & 1u) != 0) {
+            best = (int)i;
+            best_rank = rank;
+        }
+    }
+    return best;
+}
+
+static void merge(struct interaction_config *into, const struct interaction_rule *rule)
+{
+    const struct block_schema *schema = schema_block(BLOCK_INTERACTION);
+    for (size_t i = 0; i < schema->n_keys; i++) {
+        const struct deck_key *key = &schema->keys[i];
+        if ((rule->set & ~rule->bad) >> i & 1u)
+            memcpy((char *)into + key->offset, (const char *)&rule->value + key->offset, schema_size(key));
+    }
+}
+
+struct interaction_config config_interaction(const struct config *c, int a, int b, enum relation relation)
+{
+    struct interaction_config out;
+    memset(&out, 0, sizeof out);
+    schema_defaults(schema_block(BLOCK_INTERACTION), &out);
+    out.linked = relation == RELATION_SAME_GRAIN;
+    for (int rank = 0; rank <= 3; rank++)
+        for (size_t i = 0; i < c->n_rules; i++)
+            if (interaction_rule_rank(&c->rules[i], a, b, relation) == rank)
+                merge(&out, &c->rules[i]);
+    return out;
+}
+
+const char *config_kind_name(const struct config *c, size_t kind, struct kind_name *out)
+{
+    if (kind < c->n_materials) {
+        (void)snprintf(out->text, sizeof out->text, "%s", c->materials[kind].name);
+    } else {
+        const struct phase_config *phase = &c->phases[kind - c->n_materials];
+        (void)snprintf(out->text, sizeof out->text, "%s/%s", c->materials[phase->material].name, phase->name);
+    }
+    return out->text;
+}
+
+enum dm2_status config_fail(const char *place, struct dm2_error *err, enum dm2_status status, const char *format, ...)
+{
+    char message[400];
+    va_list args;
+    va_start(args, format);
+    (void)vsnprintf(message, sizeof message, format, args);
+    va_end(args);
+    if (place == NULL)
+        return dm2_fail(err, status, "%s", message);
+    int where = (int)strcspn(place, "\n");
+    return dm2_fail(err, status, "%.*s: error: %s%s", where, place, message, place + where);
+}
+
+void config_free(struct config *c)
+{
+    for (size_t i = 0; i < c->n_bodies; i++)
+        free(c->bodies[i].packing_place);
+    free(c->dt_place);
+    free(c->materials);
+    free(c->phases);
+    free(c->reactions);
+    free(c->bodies);
+    free(c->probes);
+    free(c->profiles);
+    free(c->voids);
+    free(c->flaws);
+    free(c->rules);
+    free(c->output.snapshot_at);
+    memset(c, 0, sizeof *c);
+}

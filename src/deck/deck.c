@@ -1,0 +1,86 @@
+/* From texts to a config: parse, evaluate, bind, check. Every pass goes on after mistakes and leaves its
+ * findings in one place; a config is given away only when there was no error. */
+#include "dm2/deck/deck.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "dm2/base/mem.h"
+#include "dm2/deck/check.h"
+#include "dm2/deck/expr.h"
+#include "dm2/deck/source.h"
+
+/* Reports for when there is nothing to make one of. Never freed. */
+static char no_memory_text[] = "no memory to read the deck\n";
+static char no_text_text[] = "the deck has no text\n";
+
+void deck_report_free(struct deck_report *report)
+{
+    if (report->text != no_memory_text && report->text != no_text_text)
+        free(report->text);
+    *report = (struct deck_report){0};
+}
+
+/* Limits on what comes in, before anything is read. */
+static bool check_source(const struct deck_source *source, struct findings *findings)
+{
+    size_t bytes = 0;
+    struct deck_place start = {0, 0, 0};
+    for (size_t i = 0; i < source->n_texts; i++)
+        bytes += source->texts[i].length < DECK_MAX_BYTES ? source->texts[i].length : DECK_MAX_BYTES + 1;
+    if (bytes > DECK_MAX_BYTES)
+        findings_error(findings, start, "the deck is larger than %d MiB; is this the right file?",
+                       DECK_MAX_BYTES >> 20);
+    if (source->n_texts > DECK_MAX_TEXTS)
+        findings_error(findings, start, "the deck includes more than %d files", DECK_MAX_TEXTS - 1);
+    if (source->n_defines > DECK_MAX_DEFINES)
+        findings_error(findings, start, "more than %d definitions with -D", DECK_MAX_DEFINES);
+    return findings->n_errors == 0;
+}
+
+/* Lets that nothing asked for: evaluated all the same, for their errors. */
+static void check_lets(const struct deck_tree *tree, struct findings *findings)
+{
+    struct quantity ignored;
+    for (size_t i = 0; i < tree->n_lets; i++)
+        (void)expr_eval_let(tree, &tree->lets[i], findings, &ignored);
+    for (size_t i = 0; i < tree->n_lets && findings->n_errors == 0; i++)
+        if (!tree->lets[i].used)
+            findings_warn(findings, tree->lets[i].place, "the let '%s' is not used", tree->lets[i].name);
+}
+
+static bool read_deck(const struct deck_source *source, struct config *out, struct findings *findings)
+{
+    struct deck_tree tree = {0};
+    struct deck_binding binding = {.tree = &tree, .findings = findings, .config = out};
+    bool ok = deck_parse(&tree, findings) && deck_bind(&binding, source->steps) && deck_check(&binding);
+    if (ok)
+        check_lets(&tree, findings);
+    deck_binding_free(&binding);
+    deck_tree_free(&tree);
+    return ok && !findings->no_memory;
+}
+
+enum dm2_status deck_load(const struct deck_source *source, struct config *out, struct deck_report *report)
+{
+    memset(out, 0, sizeof *out);
+    *report = (struct deck_report){.text = no_text_text, .n_errors = 1};
+    if (source->n_texts == 0)
+        return DM2_DECK;
+    report->text = no_memory_text;
+    struct findings *findings = mem_zalloc(1, sizeof *findings);
+    if (findings == NULL)
+        return DM2_MEMORY;
+    findings_start(findings, source);
+    bool ok = true;
+    if (check_source(source, findings))
+        ok = read_deck(source, out, findings);
+    char *text = ok ? findings_render(findings) : NULL;
+    enum dm2_status status = text == NULL ? DM2_MEMORY : findings->n_errors > 0 ? DM2_DECK : DM2_OK;
+    if (text != NULL)
+        *report = (struct deck_report){text, findings->n_errors, findings->n_warnings};
+    free(findings);
+    if (status != DM2_OK)
+        config_free(out);
+    return status;
+}

@@ -1,0 +1,525 @@
+/* Statements: let, include, blocks and their entries. The parser recovers at the end of a statement (line end
+ * or semicolon) or of a block, so that one mistake is one finding and the next mistake is still found. An
+ * entry whose values do not read is kept and marked, so that it is not missed afterwards as well.
+ *
+ * An included text is parsed where its `include` stands, once however often it is named; one that is under
+ * way is a cycle. Names of texts are those of deck_source_include, which reader and parser share. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "dm2/base/mem.h"
+#include "dm2/deck/expr.h"
+#include "dm2/deck/schema.h"
+#include "dm2/deck/source.h"
+#include "dm2/deck/tree.h"
+
+enum text_state { TEXT_UNSEEN, TEXT_UNDER_WAY, TEXT_DONE };
+
+struct parse {
+    struct deck_tree *tree;
+    struct findings *findings;
+    size_t budget;
+    unsigned char *state; /* of each text: enum text_state */
+};
+
+static bool parse_text(struct parse *parse, int text);
+
+/* Appends one item to an array of the tree and gives it zeroed; NULL: no memory. */
+static void *append(struct findings *f, void *array, size_t *n, size_t *cap, size_t size)
+{
+    void **block = array, *grown = *block;
+    if (mem_grow(&grown, cap, *n, *n + 1, size) != 0) {
+        f->no_memory = true;
+        return NULL;
+    }
+    *block = grown;
+    void *item = (char *)grown + *n * size;
+    memset(item, 0, size);
+    ++*n;
+    return item;
+}
+#define APPEND(f, tree, array)                                                                               \
+    append(f, &(tree)->array, &(tree)->n_##array, &(tree)->cap_##array, sizeof *(tree)->array)
+
+static const struct token *current(const struct deck_parser *p)
+{
+    return &p->tokens->items[p->at];
+}
+
+static bool ends_statement(int kind)
+{
+    return kind == TOKEN_NEWLINE || kind == ';' || kind == TOKEN_END || kind == '}';
+}
+
+/* Past what is left of a statement that was reported. A block that opens on the way is skipped whole. */
+static void skip_statement(struct deck_parser *p)
+{
+    int open = 0;
+    for (;; p->at++) {
+        int kind = current(p)->kind;
+        if (kind == TOKEN_END || (open == 0 && ends_statement(kind)))
+            return;
+        if (kind == '{')
+            open++;
+        else if (kind == '}' && --open == 0) {
+            p->at++;
+            return;
+        }
+    }
+}
+
+static void error_expected(struct deck_parser *p, const char *expected)
+{
+    struct place_text found;
+    const struct token *t = current(p);
+    if (t->kind != TOKEN_BAD)
+        findings_error(p->findings, parser_place(p, t), "expected %s, found %s", expected,
+                       parser_found(p, t, &found));
+}
+
+static bool expect(struct deck_parser *p, int kind, const char *expected)
+{
+    if (current(p)->kind == kind) {
+        p->at++;
+        return true;
+    }
+    error_expected(p, expected);
+    return false;
+}
+
+/* The end of a statement must be here. */
+static void finish_statement(struct deck_parser *p)
+{
+    if (ends_statement(current(p)->kind))
+        return;
+    error_expected(p, "the end of the line or ';'");
+    skip_statement(p);
+}
+
+static void name_copy(const struct findings *f, struct deck_place place, char out[NAME_MAX_LENGTH + 1])
+{
+    memcpy(out, place_bytes(f->source, place), place.length);
+    out[place.length] = '\0';
+}
+
+/* --- let and -D --------------------------------------------------------------------------------------- */
+
+static void parse_let(struct deck_parser *p)
+{
+    struct deck_tree *tree = p->tree;
+    const char *why;
+    struct place_text text;
+    if (current(p)->kind != TOKEN_WORD) {
+        error_expected(p, "a name after 'let'");
+        skip_statement(p);
+        return;
+    }
+    struct deck_place name = parser_place(p, current(p));
+    p->at++;
+    bool ok = true;
+    if (expr_reserved(place_bytes(p->findings->source, name), name.length, &why)) {
+        findings_error(p->findings, name, "'%s' is %s; a let needs another name",
+                       place_text(p->findings->source, name, &text), why);
+        ok = false;
+    } else if (name.length > NAME_MAX_LENGTH) {
+        findings_error(p->findings, name, "a name has at most %d characters", NAME_MAX_LENGTH);
+        ok = false;
+    } else if (tree->n_lets >= DECK_MAX_LETS) {
+        findings_error(p->findings, name, "the deck has more than %d lets", DECK_MAX_LETS);
+        ok = false;
+    }
+    int32_t node = expect(p, '=', "'=' after the name") ? expr_parse(p) : 0;
+    if (ok) {
+        struct deck_let *let = APPEND(p->findings, tree, lets);
+        if (let != NULL) {
+            name_copy(p->findings, name, let->name);
+            let->place = name;
+            let->node = node;
+        }
+    }
+    if (node == 0)
+        skip_statement(p);
+    else
+        finish_statement(p);
+}
+
+static int compare_lets(const void *a, const void *b)
+{
+    const struct deck_let *x = a, *y = b;
+    int order = strcmp(x->name, y->name);
+    if (order != 0)
+        return order;
+    if (x->place.text != y->place.text)
+        return x->place.text < y->place.text ? -1 : 1;
+    return x->place.offset < y->place.offset ? -1 : x->place.offset > y->place.offset;
+}
+
+/* Sorts the lets by name and reports names that were given twice. */
+static void sort_lets(struct deck_tree *tree, struct findings *findings)
+{
+    if (tree->n_lets > 0)
+        qsort(tree->lets, tree->n_lets, sizeof tree->lets[0], compare_lets);
+    for (size_t i = 1; i < tree->n_lets; i++)
+        if (strcmp(tree->lets[i].name, tree->lets[i - 1].name) == 0)
+            findings_error(findings, tree->lets[i].place, "the let '%s' was defined before",
+                           tree->lets[i].name);
+}
+
+struct deck_let *deck_tree_let(const struct deck_tree *tree, const char *name, size_t length)
+{
+    size_t low = 0, high = tree->n_lets;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        const char *other = tree->lets[middle].name;
+        int order = strncmp(other, name, length);
+        if (order == 0 && other[length] != '\0')
+            order = 1;
+        if (order == 0)
+            return &tree->lets[middle];
+        if (order < 0)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return NULL;
+}
+
+/* One -D: its let gets another expression. */
+static void parse_define(struct deck_parser *p)
+{
+    struct deck_place name = parser_place(p, current(p));
+    if (current(p)->kind != TOKEN_WORD || p->tokens->items[1].kind != '=') {
+        findings_error(p->findings, name, "expected name=value");
+        return;
+    }
+    p->at = 2;
+    int32_t node = expr_parse(p);
+    if (node != 0 && current(p)->kind != TOKEN_END) {
+        error_expected(p, "the end of the definition");
+        return;
+    }
+    const char *word = place_bytes(p->findings->source, name);
+    struct deck_let *let = deck_tree_let(p->tree, word, name.length);
+    if (let == NULL) {
+        struct word_list known = expr_let_names(p->tree);
+        struct word_hint hint;
+        struct place_text text;
+        findings_error(p->findings, name, "the deck has no let '%s' to override%s",
+                       place_text(p->findings->source, name, &text),
+                       words_hint(&known, word, name.length, &hint));
+        return;
+    }
+    let->node = node;
+}
+
+static bool parse_defines(struct parse *parse)
+{
+    const struct deck_source *source = parse->findings->source;
+    bool ok = true;
+    for (size_t i = 0; ok && i < source->n_defines; i++) {
+        struct tokens tokens = {0};
+        int text = (int)(source->n_texts + i);
+        ok = deck_lex(source->defines[i], strlen(source->defines[i]), text, &parse->budget, &tokens,
+                      parse->findings);
+        struct deck_parser p = {
+            .tree = parse->tree, .findings = parse->findings, .tokens = &tokens, .text = text};
+        if (ok)
+            parse_define(&p);
+        free(tokens.items);
+    }
+    return ok;
+}
+
+/* --- blocks ------------------------------------------------------------------------------------------- */
+
+/* Reads the values of an entry up to the end of the statement. */
+static void parse_values(struct deck_parser *p, size_t entry)
+{
+    struct deck_tree *tree = p->tree;
+    bool after_comma = false;
+    while (after_comma || !ends_statement(current(p)->kind)) {
+        /* A list goes on in the next line after a comma. */
+        while (after_comma && current(p)->kind == TOKEN_NEWLINE)
+            p->at++;
+        if (current(p)->kind == TOKEN_WORD && (current(p) + 1)->kind == '=') {
+            /* The next entry: it is read as one, so that this is one mistake. */
+            error_expected(p,
+                           tree->entries[entry].n == 0 ? "a value after '='" : "the end of the line or ';'");
+            tree->entries[entry].bad |= tree->entries[entry].n == 0;
+            return;
+        }
+        int32_t node = expr_parse(p);
+        int32_t *value = APPEND(p->findings, tree, values);
+        if (node == 0 || value == NULL) {
+            tree->entries[entry].bad = true;
+            skip_statement(p);
+            return;
+        }
+        *value = node;
+        tree->entries[entry].n++;
+        after_comma = current(p)->kind == ',';
+        if (after_comma)
+            p->at++;
+    }
+    if (tree->entries[entry].n == 0) {
+        error_expected(p, "a value after '='");
+        tree->entries[entry].bad = true;
+    }
+}
+
+static void parse_entry(struct deck_parser *p, size_t block)
+{
+    struct deck_tree *tree = p->tree;
+    struct deck_place key = parser_place(p, current(p));
+    struct place_text text, found;
+    if (current(p)->kind != TOKEN_WORD) {
+        error_expected(p, "a keyword or '}'");
+        p->at += current(p)->kind == TOKEN_END ? 0u : 1u;
+        skip_statement(p);
+        return;
+    }
+    if (place_is(p->findings->source, key, "let") || place_is(p->findings->source, key, "include")) {
+        findings_error(p->findings, key, "'%s' stands outside of blocks",
+                       place_text(p->findings->source, key, &text));
+        skip_statement(p);
+        return;
+    }
+    p->at++;
+    if (current(p)->kind != '=') {
+        findings_error(p->findings, parser_place(p, current(p)), "expected '=' after '%s', found %s",
+                       place_text(p->findings->source, key, &text), parser_found(p, current(p), &found));
+        skip_statement(p);
+    }
+    struct deck_entry *entry = APPEND(p->findings, tree, entries);
+    if (entry == NULL)
+        return;
+    entry->key = key;
+    entry->first = tree->n_values;
+    tree->blocks[block].n_entries++;
+    if (current(p)->kind != '=') {
+        entry->bad = true;
+        return;
+    }
+    p->at++;
+    parse_values(p, tree->n_entries - 1);
+}
+
+/* In a block, does a new block begin here? Then the closing brace was forgotten. */
+static bool block_begins(const struct deck_parser *p)
+{
+    const struct token *t = current(p);
+    if (t->kind != TOKEN_WORD)
+        return false;
+    while (t->kind == TOKEN_WORD || t->kind == TOKEN_STRING)
+        t++;
+    return t->kind == '{';
+}
+
+/* From behind the opening brace to behind the closing one. */
+static void parse_body(struct deck_parser *p, size_t block)
+{
+    struct deck_place word = p->tree->blocks[block].word;
+    struct place_text text;
+    for (;;) {
+        int kind = current(p)->kind;
+        if (kind == TOKEN_END || block_begins(p)) {
+            findings_error(p->findings, word, "the block '%s' is not closed: expected '}' before %s",
+                           place_text(p->findings->source, word, &text),
+                           kind == TOKEN_END ? "the end of the text" : "the next block");
+            return;
+        }
+        if (kind == '}') {
+            p->at++;
+            return;
+        }
+        if (kind == TOKEN_NEWLINE || kind == ';')
+            p->at++;
+        else
+            parse_entry(p, block);
+        if (p->findings->no_memory)
+            return;
+    }
+}
+
+/* `key = ...` outside any block. */
+static void stray_entry(struct deck_parser *p)
+{
+    struct deck_place key = parser_place(p, current(p));
+    struct place_text text;
+    const char *block = schema_block_of_key(place_bytes(p->findings->source, key), key.length);
+    findings_error(p->findings, key,
+                   block != NULL ? "'%s' stands outside a block; it belongs into '%s { ... }'"
+                                 : "'%s' stands outside a block; for a name of your own write let",
+                   place_text(p->findings->source, key, &text), block);
+    skip_statement(p);
+}
+
+static void parse_block(struct deck_parser *p)
+{
+    struct deck_tree *tree = p->tree;
+    struct deck_place word = parser_place(p, current(p));
+    if ((current(p) + 1)->kind == '=') {
+        stray_entry(p);
+        return;
+    }
+    p->at++;
+    struct deck_block *block = APPEND(p->findings, tree, blocks);
+    if (block == NULL)
+        return;
+    block->word = word;
+    block->first_name = tree->n_names;
+    block->first_entry = tree->n_entries;
+    while (current(p)->kind == TOKEN_WORD || current(p)->kind == TOKEN_STRING) {
+        struct deck_place *name = APPEND(p->findings, tree, names);
+        if (name == NULL)
+            return;
+        *name = parser_place(p, current(p));
+        block->n_names++;
+        p->at++;
+    }
+    size_t brace = p->at;
+    while (p->tokens->items[brace].kind == TOKEN_NEWLINE)
+        brace++;
+    if (p->tokens->items[brace].kind == '{')
+        p->at = brace;
+    struct place_text text, found;
+    if (current(p)->kind != '{') {
+        if (current(p)->kind != TOKEN_BAD)
+            findings_error(p->findings, parser_place(p, current(p)),
+                           "expected '{' to open the block '%s', found %s",
+                           place_text(p->findings->source, word, &text), parser_found(p, current(p), &found));
+        block->bad = true;
+        skip_statement(p);
+        return;
+    }
+    p->at++;
+    parse_body(p, tree->n_blocks - 1);
+}
+
+/* --- texts -------------------------------------------------------------------------------------------- */
+
+static int find_text(const struct deck_source *source, const char *name)
+{
+    for (size_t i = 0; i < source->n_texts; i++)
+        if (strcmp(source->texts[i].name, name) == 0)
+            return (int)i;
+    return -1;
+}
+
+static void parse_include(struct parse *parse, struct deck_parser *p)
+{
+    const struct deck_source *source = parse->findings->source;
+    struct deck_place path = parser_place(p, current(p));
+    if (current(p)->kind != TOKEN_STRING) {
+        error_expected(p, "a file name in quotes after 'include'");
+        p->tree->incomplete = true;
+        skip_statement(p);
+        return;
+    }
+    p->at++;
+    char *name =
+        deck_source_include(source->texts[p->text].name, place_bytes(source, path) + 1, path.length - 2);
+    int text = name == NULL ? -1 : find_text(source, name);
+    struct place_text shown;
+    if (name == NULL)
+        findings_error(p->findings, path,
+                       "an included file lies beside the including one or below: "
+                       "neither an absolute path nor '..'");
+    else if (text < 0)
+        findings_error(p->findings, path, "the included file %s is not among the deck's texts",
+                       place_text(source, path, &shown));
+    else if (parse->state[text] == TEXT_UNDER_WAY)
+        findings_error(p->findings, path, "%s includes itself, directly or through another file",
+                       place_text(source, path, &shown));
+    else if (parse->state[text] == TEXT_UNSEEN)
+        (void)parse_text(parse, text);
+    if (text < 0)
+        p->tree->incomplete = true;
+    free(name);
+    finish_statement(p);
+}
+
+static void parse_statement(struct parse *parse, struct deck_parser *p)
+{
+    struct place_text found;
+    const struct token *t = current(p);
+    if (t->kind == TOKEN_NEWLINE || t->kind == ';') {
+        p->at++;
+    } else if (t->kind == '}') {
+        findings_error(p->findings, parser_place(p, t), "this '}' closes no block");
+        p->at++;
+    } else if (t->kind != TOKEN_WORD) {
+        if (t->kind != TOKEN_BAD)
+            findings_error(p->findings, parser_place(p, t), "expected let, include or a block, found %s",
+                           parser_found(p, t, &found));
+        p->at++;
+        skip_statement(p);
+    } else if (place_is(p->findings->source, parser_place(p, t), "let")) {
+        p->at++;
+        parse_let(p);
+    } else if (place_is(p->findings->source, parser_place(p, t), "include")) {
+        p->at++;
+        parse_include(parse, p);
+    } else {
+        parse_block(p);
+    }
+}
+
+static bool parse_text(struct parse *parse, int text)
+{
+    const struct deck_text *t = &parse->findings->source->texts[text];
+    struct tokens tokens = {0};
+    parse->state[text] = TEXT_UNDER_WAY;
+    bool ok = deck_lex(t->text, t->length, text, &parse->budget, &tokens, parse->findings);
+    struct deck_parser p = {
+        .tree = parse->tree, .findings = parse->findings, .tokens = &tokens, .text = text};
+    p.tree->incomplete |= !ok;
+    while (ok && !parse->findings->no_memory && current(&p)->kind != TOKEN_END)
+        parse_statement(parse, &p);
+    free(tokens.items);
+    parse->state[text] = TEXT_DONE;
+    return ok;
+}
+
+bool deck_parse(struct deck_tree *tree, struct findings *findings)
+{
+    const struct deck_source *source = findings->source;
+    struct parse parse = {tree, findings, DECK_MAX_TOKENS, mem_zalloc(source->n_texts, 1)};
+    tree->source = source;
+    /* Node 0 is the bad node. */
+    struct deck_node *bad = APPEND(findings, tree, nodes);
+    if (parse.state == NULL || bad == NULL) {
+        findings->no_memory = true;
+    } else {
+        *bad = (struct deck_node){.kind = NODE_BAD, .depth = 1, .a = -1, .b = -1, .next = -1};
+        tree->end = (struct deck_place){0, source->texts[0].length, 0};
+        if (parse_text(&parse, 0)) {
+            sort_lets(tree, findings);
+            (void)parse_defines(&parse);
+        }
+    }
+    free(parse.state);
+    return !findings->no_memory;
+}
+
+const struct deck_entry *deck_tree_entry(const struct deck_tree *tree, const struct deck_block *block,
+                                         const char *key)
+{
+    for (size_t i = 0; i < block->n_entries; i++) {
+        const struct deck_entry *entry = &tree->entries[block->first_entry + i];
+        if (place_is(tree->source, entry->key, key))
+            return entry;
+    }
+    return NULL;
+}
+
+void deck_tree_free(struct deck_tree *tree)
+{
+    free(tree->nodes);
+    free(tree->lets);
+    free(tree->values);
+    free(tree->names);
+    free(tree->entries);
+    free(tree->blocks);
+    *tree = (struct deck_tree){0};
+}

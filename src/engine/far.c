@@ -1,0 +1,275 @@
+/* Potentials of scope `all`: every pair within a cutoff, no memory, no status. This loop is all that a molecular-dynamics
+ * deck does, so its common case, one kind of element with a Lennard-Jones potential, has a path that takes four pairs
+ * at a time, those of the inner list (inner.h); its lanes are filled up with a slot that is far from everything. Both paths
+ * do the same operations on each pair, so the bits do not tell which ran.
+ *
+ * Forces become integers by adding 1.5 * 2^52, which leaves the rounded integer in the low bits of the double: exact
+ * below 2^51, and it works in vectors, where conversion to 64-bit integers would not. A Lennard-Jones pair can leave that
+ * range only by coming closer than law->r2_least; other potentials have each force checked. */
+#include <string.h>
+
+#include "dm2/base/simd.h"
+#include "dm2/engine/pair_pass.h"
+
+static const double far_range = 0x1p50;
+static const double shifter = 0x1.8p52;
+
+static inline int64_t far_to_fixed(double scaled)
+{
+    double shifted = scaled + shifter;
+    int64_t bits, zero;
+    memcpy(&bits, &shifted, sizeof bits);
+    memcpy(&zero, &shifter, sizeof zero);
+    return bits - zero;
+}
+
+/* Force over distance, f/r, of the potential at r^2, and its energy above the cutoff where asked. */
+static inline double far_pair(const struct pair_law *law, double r2, double r0, double *energy)
+{
+    if (law->eps12 > 0.0) {
+        double w = law->rm2 / r2, w3 = w * w * w;
+        if (energy != NULL)
+            *energy = law->eps12 * (1.0 / 12.0) * (w3 * w3 - 2.0 * w3) - law->u_cut;
+        return law->strength * w * w3 * (w3 - 1.0);
+    }
+    double r = sqrt(r2), u, u_end, f = potential_force(law, r, r0, &u);
+    if (energy != NULL) {
+        (void)potential_force(law, sqrt(law->cutoff2), r0, &u_end);
+        *energy = u - u_end;
+    }
+    return f / r;
+}
+
+/* The plain loop: any mix of kinds and potentials, and measuring. */
+static inline void far_rows(struct pass *pass, const struct lists *lists, bool uniform, bool measure)
+{
+    const struct half_list *list = &lists->far;
+    const struct model *m = pass->m;
+    struct particles *p = pass->p;
+    const double *r = p->r, scale = m->fixed.far_force;
+    int64_t *sum = p->far_sum;
+    const struct pair_law *law = m->laws;
+    double r0 = 2.0 * m->radius_max;
+    uint32_t first, last;
+    lists_rows(lists, p, pass->part, &first, &last);
+    for (uint32_t i = first; i < last; i++) {
+        double x = r[2 * i], y = r[2 * i + 1];
+        int64_t fx_i = 0, fy_i = 0;
+        bool bad = false;
+        for (uint32_t k = list->start[i]; k < list->start[i + 1]; k++) {
+            uint32_t j = list->j[k] / 2;
+            double dx = lists_wrap(x - r[2 * (size_t)j], pass->period[0], pass->half[0]);
+            double dy = lists_wrap(y - r[2 * (size_t)j + 1], pass->period[1], pass->half[1]);
+            double r2 = dx * dx + dy * dy, energy = 0.0;
+            if (!uniform) {
+                law = model_law(m, p->kind[i], p->kind[j],
+                                relation_of(p->body[i], p->grain[i], p->body[j], p->grain[j]));
+                r0 = p->radius[i] + p->radius[j];
+            }
+            if (r2 > law->cutoff2)
+                continue;
+            double f = far_pair(law, r2, r0, measure ? &energy : NULL), fs = f * scale;
+            double fx = fs * dx, fy = fs * dy;
+            bad |= !(r2 >= law->r2_least) | !(fabs(fx) < far_range) | !(fabs(fy) < far_range);
+            if (bad) { /* no integer to add */
+                note_bad(pass, i, j);
+                break;
+            }
+            int64_t qx = far_to_fixed(fx), qy = far_to_fixed(fy);
+            fx_i += qx;
+            fy_i += qy;
+            sum[2 * (size_t)j] -= qx;
+            sum[2 * (size_t)j + 1] -= qy;
+            if (measure) {
+                double us = energy * m->fixed.energy;
+                add_virial(pass, i, j, dx, dy, f * dx, f * dy);
+                bad |= !(fabs(us) < FIXED_RANGE);
+                if (counts_here(p, i, j) && !bad)
+                    exact_add_units(&pass->potential, to_fixed(us), m->fixed.energy_left);
+            }
+        }
+        sum[2 * i] += fx_i;
+        sum[2 * i + 1] += fy_i;
+        if (bad)
+            note_bad(pass, i, i);
+    }
+}
+
+/* Position and force sum of the element whose x is component c; the arrays are aligned to cache lines. */
+#define POSITION(c) (*(const simd_real2 *)(const void *)(r + (c)))
+#define FORCE(c) (*(simd_int2 *)(void *)(sum + (c)))
+
+/* Four pairs on their way through the loop: what is known once the division has been started. */
+struct far_lanes {
+    simd_real dx, dy, r2, w; /* w = r_m^2/r^2 */
+};
+
+DM2_INLINE void look_at(const struct far_quad *quad, const double *r, double rm2, const struct pass *pass, bool periodic,
+                        struct far_lanes *out)
+{
+    const uint32_t *j = quad->j;
+    simd_real a = SIMD_JOIN(POSITION(j[0]), POSITION(j[2])), b = SIMD_JOIN(POSITION(j[1]), POSITION(j[3]));
+    simd_real dx = r[quad->i] - SIMD_EVEN(a, b), dy = r[quad->i + 1] - SIMD_ODD(a, b);
+    if (periodic) {
+        const simd_real zero = {0.0}, period_x = zero + pass->period[0], period_y = zero + pass->period[1];
+        const simd_real half_x = zero + pass->half[0], half_y = zero + pass->half[1];
+        dx = dx - SIMD_CHOOSE(dx > half_x, period_x, zero) + SIMD_CHOOSE(dx < -half_x, period_x, zero);
+        dy = dy - SIMD_CHOOSE(dy > half_y, period_y, zero) + SIMD_CHOOSE(dy < -half_y, period_y, zero);
+    }
+    simd_real r2 = dx * dx + dy * dy;
+    *out = (struct far_lanes){dx, dy, r2, rm2 / r2};
+}
+
+/* One Lennard-Jones law for all, four pairs at a time: the plain loop in lanes. A quad's distances are worked out while
+ * the one before it is still at its forces: the processor waits for neither. Returns the least r^2 of all pairs. */
+DM2_INLINE double lennard_jones(const struct pass *pass, const struct inner_list *list, bool periodic)
+{
+    const struct pair_law *law = pass->m->laws;
+    const double *r = pass->p->r, cutoff2 = law->cutoff2, rm2 = law->rm2;
+    const double strength = law->strength * pass->m->fixed.far_force; /* the scale is a power of two: exact */
+    int64_t *sum = pass->p->far_sum;
+    const simd_real zero = {0.0};
+    simd_real least = zero + INFINITY;
+    struct far_lanes next;
+    if (list->n > 0)
+        look_at(list->quad, r, rm2, pass, periodic, &next);
+    for (size_t k = 0; k < list->n; k++) {
+        const struct far_quad *quad = &list->quad[k];
+        struct far_lanes now = next;
+        look_at(quad + 1, r, rm2, pass, periodic, &next);
+        least = SIMD_CHOOSE(now.r2 < least, now.r2, least);
+        simd_real w3 = now.w * now.w * now.w;
+        simd_real fs = strength * now.w * w3 * (w3 - 1.0);
+        fs = SIMD_CHOOSE(now.r2 <= cutoff2, fs, zero);
+        simd_int qx = (simd_int)(fs * now.dx + shifter) - (simd_int)(zero + shifter);
+        simd_int qy = (simd_int)(fs * now.dy + shifter) - (simd_int)(zero + shifter);
+        union simd_int_halves even = {.all = SIMD_EVEN(qx, qy)}, odd = {.all = SIMD_ODD(qx, qy)};
+        union simd_int_halves both = {.all = even.all + odd.all};
+        FORCE(quad->j[0]) -= even.half[0];
+        FORCE(quad->j[1]) -= odd.half[0];
+        FORCE(quad->j[2]) -= even.half[1];
+        FORCE(quad->j[3]) -= odd.half[1];
+        FORCE(quad->i) += both.half[0] + both.half[1];
+    }
+    double of_all = least[0];
+    for (int lane = 1; lane < SIMD_LANES; lane++)
+        of_all = least[lane] < of_all ? least[lane] : of_all;
+    return of_all;
+}
+
+DM2_WIDE static double lennard_jones_free(const struct pass *pass, const struct inner_list *list)
+{
+    return lennard_jones(pass, list, false);
+}
+
+DM2_WIDE static double lennard_jones_periodic(const struct pass *pass, const struct inner_list *list)
+{
+    return lennard_jones(pass, list, true);
+}
+
+#define FIXED(x) ((simd_int)((x) + shifter) - (simd_int)(zero + shifter))
+#define MAGNITUDE(x) ((simd_real)((simd_int)(x) & (simd_int){INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX}))
+
+/* What the plain loop measures, four pairs at a time: virial and energy, no forces. Returns the largest magnitude that
+ * became an integer: from far_range on, the integers mean nothing. */
+DM2_INLINE double measure_quads(struct pass *pass, const struct inner_list *list, bool periodic)
+{
+    const struct model *m = pass->m;
+    const struct particles *p = pass->p;
+    const struct pair_law *law = m->laws;
+    const double scale = m->fixed.virial, depth = law->eps12 * (1.0 / 12.0);
+    const simd_real zero = {0.0};
+    const simd_int none = {0};
+    simd_int *virial = (simd_int *)(void *)p->virial;
+    simd_real largest = zero;
+    int64_t energy = 0;
+    for (size_t k = 0; k < list->n; k++) {
+        const struct far_quad *quad = &list->quad[k];
+        struct far_lanes at;
+        look_at(quad, p->r, law->rm2, pass, periodic, &at);
+        simd_int within = at.r2 <= law->cutoff2;
+        simd_real w3 = at.w * at.w * at.w, f = law->strength * at.w * w3 * (w3 - 1.0);
+        simd_real fx = f * at.dx, fy = f * at.dy;
+        simd_real xx = SIMD_CHOOSE(within, at.dx * fx * scale, zero), yy = SIMD_CHOOSE(within, at.dy * fy * scale, zero);
+        simd_real xy = SIMD_CHOOSE(within, 0.5 * (at.dx * fy + at.dy * fx) * scale, zero);
+        simd_real u = SIMD_CHOOSE(within, (depth * (w3 * w3 - 2.0 * w3) - law->u_cut) * m->fixed.energy, zero);
+        simd_real size = MAGNITUDE(xx) + MAGNITUDE(yy) + MAGNITUDE(xy) + MAGNITUDE(u);
+        largest = SIMD_CHOOSE(size > largest, size, largest);
+        simd_int qxx = FIXED(xx), qyy = FIXED(yy), qxy = FIXED(xy), qu = FIXED(u);
+        /* Transposed: the sums of each pair. */
+        simd_int a = SIMD_EVEN(qxx, qyy), b = SIMD_ODD(qxx, qyy), c = SIMD_EVEN(qxy, none), d = SIMD_ODD(qxy, none);
+        simd_int part[SIMD_LANES] = {SIMD_LOW(a, c), SIMD_LOW(b, d), SIMD_HIGH(a, c), SIMD_HIGH(b, d)};
+        for (int lane = 0; lane < SIMD_LANES; lane++) {
+            size_t j = quad->j[lane] / 2;
+            virial[j] += part[lane];
+            if (j < p->n_own || (j < p->n && counts_here(p, quad->i / 2, (uint32_t)j)))
+                energy += qu[lane];
+        }
+        virial[quad->i / 2] += (part[0] + part[1]) + (part[2] + part[3]);
+        if (k % 256 == 255 || k + 1 == list->n) { /* 1024 energies below 2^50 */
+            exact_add_units(&pass->potential, energy, m->fixed.energy_left);
+            energy = 0;
+        }
+    }
+    double most = 0.0;
+    for (int c = 0; c < SIMD_LANES; c++)
+        most = largest[c] > most ? largest[c] : most;
+    return most;
+}
+
+DM2_WIDE static double measure_free(struct pass *pass, const struct inner_list *list)
+{
+    return measure_quads(pass, list, false);
+}
+
+DM2_WIDE static double measure_periodic(struct pass *pass, const struct inner_list *list)
+{
+    return measure_quads(pass, list, true);
+}
+
+/* Virial and energy of all pairs; false where a number left the range of lanes: then neither means anything. */
+static bool measure_wide(struct pass *pass, const struct inner_list *list)
+{
+    bool periodic = pass->m->grid.periodic[0] || pass->m->grid.periodic[1];
+    return (periodic ? measure_periodic(pass, list) : measure_free(pass, list)) < far_range;
+}
+
+static void far_wide(struct pass *pass, struct lists *lists)
+{
+    const struct model *m = pass->m;
+    struct inner_list *inner = &lists->inner[pass->part];
+    uint32_t first, last;
+    lists_rows(lists, pass->p, pass->part, &first, &last);
+    const struct inner_part part = {first, last, pass->part == PART_INSIDE ? pass->p->n_own : pass->p->n};
+    if (inner_list_prepare(inner, &lists->far, &part, pass->p, m->far_cutoff, m->config->delta_r, pass->period,
+                           pass->half) != 0) {
+        pass->no_memory = true;
+        return;
+    }
+    pulse_beat(&m->pulse);
+    if (pass->totals != NULL && !measure_wide(pass, inner)) {
+        pass->far_plain = true;
+        return;
+    }
+    bool periodic = m->grid.periodic[0] || m->grid.periodic[1];
+    double least = periodic ? lennard_jones_periodic(pass, inner) : lennard_jones_free(pass, inner);
+    if (least < m->laws->r2_least)
+        far_rows(pass, lists, true, false); /* finds which pair it was; the run ends */
+}
+
+void far_evaluate(struct pass *pass, struct lists *lists)
+{
+    const struct model *m = pass->m;
+    bool measure = pass->totals != NULL;
+    pulse_beat(&m->pulse);
+    if (m->wide_far && !pass->plain && !pass->far_plain)
+        far_wide(pass, lists);
+    else if (m->uniform_far && measure)
+        far_rows(pass, lists, true, true);
+    else if (m->uniform_far)
+        far_rows(pass, lists, true, false);
+    else if (measure)
+        far_rows(pass, lists, false, true);
+    else
+        far_rows(pass, lists, false, false);
+}

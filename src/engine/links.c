@@ -1,0 +1,130 @@
+/* Sorting near pairs by their law: count, lay out, fill. Rows keep their order within a law, so neighbours in the list are
+ * neighbours in space; and laws follow each other chunk by chunk, so that elements are still in the cache when the next law
+ * needs them. */
+#include "dm2/engine/links.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "dm2/base/mem.h"
+#include "dm2/engine/lists.h"
+#include "dm2/engine/particles.h"
+#include "dm2/engine/tables.h"
+
+/* The law of entry k of row i where it goes into a quad, else NULL. */
+static const struct pair_law *quad_law(const struct lists *l, const struct model *m, const struct particles *p, uint32_t i,
+                                       uint32_t k)
+{
+    uint32_t j = l->near.j[k];
+    if (!l->linked[k])
+        return NULL;
+    const struct pair_law *law =
+        model_law(m, p->kind[i], p->kind[j], relation_of(p->body[i], p->grain[i], p->body[j], p->grain[j]));
+    return law->wide && p->radius[i] == law->radius_i && p->radius[j] == law->radius_j ? law : NULL;
+}
+
+static int grow(void *block, size_t *cap, size_t need, size_t size)
+{
+    void *p;
+    memcpy(&p, block, sizeof p);
+    int status = mem_grow(&p, cap, 0, need, size);
+    memcpy(block, &p, sizeof p);
+    return status;
+}
+
+enum { CHUNK = 2048 }; /* rows: some 300 KB of their state and sums, and those of their neighbours */
+
+/* Room for what the counted pairs need: n of each group is the number of its links. */
+static int lay_out(struct link_list *links, size_t pairs)
+{
+    size_t quads = 0;
+    for (size_t a = 0; a < links->n_groups; a++) {
+        struct link_group *g = &links->group[a];
+        g->n /= SIMD_LANES;
+        g->first = quads;
+        quads += g->n;
+    }
+    return grow(&links->quad, &links->quad_cap, quads, sizeof *links->quad) != 0 ||
+                   grow(&links->single, &links->single_cap, pairs - SIMD_LANES * quads, sizeof *links->single) != 0
+               ? -1
+               : 0;
+}
+
+static int sort_pairs(struct lists *l, enum list_part part, const struct model *m, const struct particles *p)
+{
+    struct link_list *links = &l->links[part];
+    size_t n_laws = m->n_kinds * m->n_kinds * RELATION_COUNT;
+    uint32_t first, last;
+    lists_rows(l, p, part, &first, &last);
+    links->n_groups = n_laws * (((size_t)last - first + CHUNK - 1) / CHUNK);
+    if (grow(&links->group, &links->group_cap, links->n_groups, sizeof *links->group) != 0)
+        return -1;
+    for (size_t a = 0; a < links->n_groups; a++)
+        links->group[a] = (struct link_group){.law = &m->laws[a % n_laws]};
+    for (uint32_t i = first; i < last; i++) {
+        struct link_group *group = &links->group[(i - first) / CHUNK * n_laws];
+        for (uint32_t k = l->near.start[i]; k < l->near.start[i + 1]; k++) {
+            const struct pair_law *law = quad_law(l, m, p, i, k);
+            if (law != NULL)
+                group[law - m->laws].n++;
+        }
+    }
+    size_t *placed = mem_zalloc(n_laws, sizeof *placed);
+    if (placed == NULL || lay_out(links, l->near.start[last] - l->near.start[first]) != 0) {
+        free(placed);
+        return -1;
+    }
+    links->n_single = 0;
+    for (uint32_t i = first; i < last; i++) {
+        const struct link_group *group = &links->group[(i - first) / CHUNK * n_laws];
+        if ((i - first) % CHUNK == 0)
+            memset(placed, 0, n_laws * sizeof *placed);
+        for (uint32_t k = l->near.start[i]; k < l->near.start[i + 1]; k++) {
+            const struct pair_law *law = quad_law(l, m, p, i, k);
+            size_t a = law != NULL ? (size_t)(law - m->laws) : 0;
+            if (law == NULL || placed[a] == SIMD_LANES * group[a].n) {
+                links->single[links->n_single++] = (struct single_pair){i, k};
+                continue;
+            }
+            struct link_quad *q = &links->quad[group[a].first + placed[a] / SIMD_LANES];
+            size_t lane = placed[a]++ % SIMD_LANES;
+            q->i[lane] = i;
+            q->j[lane] = l->near.j[k];
+            q->k[lane] = k;
+        }
+    }
+    free(placed);
+    return 0;
+}
+
+int link_list_prepare(struct lists *lists, int part, const struct model *m, const struct particles *p)
+{
+    struct link_list *links = &lists->links[part];
+    if (links->valid && (!m->has_kinds || memcmp(links->kind, p->kind, p->n * sizeof *p->kind) == 0))
+        return 0;
+    links->valid = false;
+    if (sort_pairs(lists, (enum list_part)part, m, p) != 0)
+        return -1;
+    if (m->has_kinds) {
+        if (grow(&links->kind, &links->kind_cap, p->n, sizeof *links->kind) != 0)
+            return -1;
+        memcpy(links->kind, p->kind, p->n * sizeof *p->kind);
+    }
+    links->valid = true;
+    return 0;
+}
+
+void link_list_free(struct link_list *links)
+{
+    free(links->quad);
+    free(links->group);
+    free(links->single);
+    free(links->kind);
+    *links = (struct link_list){0};
+}
+
+size_t link_list_bytes(const struct link_list *links)
+{
+    return links->quad_cap * sizeof *links->quad + links->group_cap * sizeof *links->group +
+           links->single_cap * sizeof *links->single + links->kind_cap * sizeof *links->kind;
+}

@@ -1,0 +1,434 @@
+/* Building the neighbour lists, from cells or from all pairs (config search = lists; the paper's Fig. 4), or, where a
+ * deck has near pairs only, from bins finer than the cells.
+ *
+ * A cell's elements meet the later ones of their own cell, those of the later own cells around it and those of the
+ * mirrored cells around it: every pair that has an owned element is met exactly once, from its lower slot. Lists hold
+ * the same pairs whatever the search; only the order in a row differs, and no sum depends on order. */
+#include "dm2/engine/lists.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dm2/base/mem.h"
+#include "dm2/base/simd.h"
+#include "dm2/engine/flaws.h"
+
+/* A link starts where lattice neighbours touch, give or take rounding of the deck's spacings. */
+static const double initial_reach = 1.02;
+
+struct builder {
+    struct lists *lists;
+    const struct model *m;
+    const struct particles *p;
+    bool initial;
+    double far_reach2, near_reach2; /* cm2; the second bounds every pair's own */
+    double period[2], half[2];      /* infinite halves where a side is not periodic */
+    uint32_t row;                   /* the owned slot whose row is being filled */
+    size_t far_count, near_count;
+    uint32_t close_a, close_b;      /* an overlapping pair, if any */
+    bool overlap;
+};
+
+/* Lists are the largest arrays there are: they grow by an eighth, from what a lattice needs. */
+enum { FAR_GUESS = 10, NEAR_GUESS = 3 }; /* entries per owned element */
+
+static size_t list_room(size_t cap, size_t need, size_t guess)
+{
+    size_t least = cap == 0 ? guess : cap + cap / 8;
+    return need <= cap ? cap : need > least ? need : least;
+}
+
+static int list_reserve_rows(struct half_list *list, size_t rows)
+{
+    void *start = list->start;
+    if (mem_grow(&start, &list->row_cap, 0, rows + 1, sizeof *list->start) != 0)
+        return -1;
+    list->start = start;
+    return 0;
+}
+
+/* Moves an array's first `used` items into room for `cap`. */
+static int list_move(void **block, size_t used, size_t cap, size_t size)
+{
+    void *grown = mem_alloc(cap, size);
+    if (grown == NULL)
+        return -1;
+    if (used > 0)
+        memcpy(grown, *block, used * size);
+    free(*block);
+    *block = grown;
+    return 0;
+}
+
+static int far_reserve(struct half_list *list, size_t used, size_t more, size_t guess)
+{
+    void *j = list->j;
+    size_t cap = list_room(list->cap, used + more, guess);
+    if (cap == list->cap)
+        return 0;
+    if (list_move(&j, used, cap, sizeof *list->j) != 0)
+        return -1;
+    list->j = j;
+    list->cap = cap;
+    return 0;
+}
+
+static int near_reserve(struct lists *l, size_t used, size_t more, size_t guess)
+{
+    size_t cap = list_room(l->memory_cap, used + more, guess);
+    if (cap == l->memory_cap)
+        return 0;
+    void *j = l->near.j, *linked = l->linked, *stretch = l->stretch, *spring = l->spring;
+    int status = list_move(&j, used, cap, sizeof *l->near.j);
+    l->near.j = j;
+    if (status == 0)
+        status = list_move(&linked, used, cap, sizeof *l->linked);
+    l->linked = linked;
+    if (status == 0)
+        status = list_move(&stretch, used, cap, sizeof *l->stretch);
+    l->stretch = stretch;
+    if (status == 0)
+        status = list_move(&spring, used, cap, sizeof *l->spring);
+    l->spring = spring;
+    if (status == 0)
+        l->memory_cap = l->near.cap = cap;
+    return status;
+}
+
+static void add_near(struct builder *b, uint32_t j, bool linked, double stretch, double spring)
+{
+    struct lists *l = b->lists;
+    size_t at = b->near_count++;
+    l->near.j[at] = j;
+    l->linked[at] = linked;
+    l->stretch[at] = stretch;
+    l->spring[at] = spring;
+}
+
+static bool link_missing(const struct builder *b, uint32_t i, uint32_t j)
+{
+    const struct particles *p = b->p;
+    struct link_end ends[2] = {{p->id[i], p->body[i], p->r + 2 * i}, {p->id[j], p->body[j], p->r + 2 * j}};
+    double apart[2];
+    for (size_t a = 0; a < 2; a++)
+        apart[a] = lists_wrap(p->r[2 * i + a] - p->r[2 * j + a], b->period[a], b->half[a]);
+    return flaws_miss(b->m->config, ends[0], ends[1], apart);
+}
+
+/* Is the pair worth a near entry, and does it start linked? */
+static void consider_near(struct builder *b, uint32_t i, uint32_t j, double r2)
+{
+    const struct particles *p = b->p;
+    enum relation relation = relation_of(p->body[i], p->grain[i], p->body[j], p->grain[j]);
+    const struct pair_law *law = model_law(b->m, p->kind[i], p->kind[j], relation);
+    double r0 = p->radius[i] + p->radius[j], reach = r0 * b->m->growth + b->m->margins.close;
+    if (b->initial && r2 < 0.25 * (r0 * r0) && !b->overlap) {
+        b->overlap = true;
+        b->close_a = i;
+        b->close_b = j;
+    }
+    if (!law->near)
+        return;
+    bool linked = b->initial && law->initial_link && r2 <= (initial_reach * r0) * (initial_reach * r0) &&
+                  !link_missing(b, i, j);
+    /* Between grains neighbours are as far apart as the boundary left them: their links start without force. */
+    double stretch = linked && relation == RELATION_OTHER_GRAIN ? sqrt(r2) - r0 : 0.0;
+    if (linked || r2 <= reach * reach)
+        add_near(b, j, linked, stretch, 0.0);
+}
+
+/* Room for one more row that may meet `candidates` elements. */
+static int reserve_row(struct builder *b, size_t candidates)
+{
+    size_t n = b->p->n_own;
+    if (b->m->has_far && far_reserve(&b->lists->far, b->far_count, candidates + SIMD_LANES, FAR_GUESS * n) != 0)
+        return -1;
+    if (b->m->has_near && near_reserve(b->lists, b->near_count, candidates, NEAR_GUESS * n) != 0)
+        return -1;
+    return 0;
+}
+
+static inline double distance2(const struct builder *b, uint32_t i, uint32_t j, bool periodic)
+{
+    const double *r = b->p->r;
+    double dx = r[2 * i] - r[2 * j], dy = r[2 * i + 1] - r[2 * j + 1];
+    if (periodic) {
+        dx = lists_wrap(dx, b->period[0], b->half[0]);
+        dy = lists_wrap(dy, b->period[1], b->half[1]);
+    }
+    return dx * dx + dy * dy;
+}
+
+static inline void meet(struct builder *b, uint32_t i, uint32_t j)
+{
+    double r2 = distance2(b, i, j, true);
+    if (r2 <= b->far_reach2)
+        b->lists->far.j[b->far_count++] = 2 * j;
+    if (r2 <= b->near_reach2)
+        consider_near(b, i, j, r2);
+}
+
+static int row_from_cells(struct builder *b, const struct cells *cells, int own, uint32_t i)
+{
+    size_t candidates = cells->start[own + 1] - i;
+    for (uint32_t k = cells->ring_start[own]; k < cells->ring_start[own + 1]; k++) {
+        int32_t c = cells->ring[k];
+        candidates += c < cells->n_own ? cells->start[c + 1] - cells->start[c]
+                                       : cells->mirror_start[c - cells->n_own + 1] - cells->mirror_start[c - cells->n_own];
+    }
+    if (reserve_row(b, candidates) != 0)
+        return -1;
+    for (uint32_t j = i + 1; j < cells->start[own + 1]; j++)
+        meet(b, i, j);
+    for (uint32_t k = cells->ring_start[own]; k < cells->ring_start[own + 1]; k++) {
+        int32_t c = cells->ring[k];
+        if (c < cells->n_own) {
+            for (uint32_t j = cells->start[c]; j < cells->start[c + 1]; j++)
+                meet(b, i, j);
+        } else {
+            c -= cells->n_own;
+            for (uint32_t s = cells->mirror_start[c]; s < cells->mirror_start[c + 1]; s++)
+                meet(b, i, cells->mirror_slot[s]);
+        }
+    }
+    return 0;
+}
+
+/* The bins around and with bin `at`, as ranges of bins that lie side by side; writes first and last of up to 9. */
+static int bin_ranges(const struct grid *g, int at, int first[9], int last[9])
+{
+    int i = at % g->cx, j = at / g->cx, count = 0;
+    bool seam = (g->periodic[0] && (i == 0 || i == g->cx - 1)) || (g->periodic[1] && (j == 0 || j == g->cy - 1));
+    if (seam) {
+        count = grid_neighbours(g, at, first);
+        first[count++] = at;
+        memcpy(last, first, (size_t)count * sizeof *last);
+        return count;
+    }
+    int west = i > 0 ? i - 1 : 0, east = i < g->cx - 1 ? i + 1 : i;
+    for (int row = j > 0 ? j - 1 : 0; row <= j + 1 && row < g->cy; row++) {
+        first[count] = row * g->cx + west;
+        last[count++] = row * g->cx + east;
+    }
+    return count;
+}
+
+/* Bins for the near pairs of a deck without others. False where cells serve as well. */
+static bool bins_serve(struct builder *b)
+{
+    const struct grid *cells = &b->m->grid, *g = &b->lists->bins.grid;
+    return b->m->config->search == SEARCH_CELLS_AND_LISTS && !b->m->has_far &&
+           bins_lay_out(&b->lists->bins, cells, b->p->r, b->p->n, sqrt(b->near_reach2), 16.0 * (double)b->p->n + 1024.0) &&
+           (g->cx == 1 || g->lx < 0.6 * cells->lx) && (g->cy == 1 || g->ly < 0.6 * cells->ly);
+}
+
+/* Near pairs alone, from bins: the later slots in the bin of i and in those around it. Those in reach are written where the
+ * row's entries will stand, without a branch, and then looked at one by one; entries never overtake them. */
+DM2_INLINE int row_from_bins(struct builder *b, uint32_t i, bool periodic)
+{
+    const struct bins *bins = &b->lists->bins;
+    int first[9], last[9], n = bin_ranges(&bins->grid, (int)bins->bin[i], first, last);
+    size_t candidates = 0;
+    for (int q = 0; q < n; q++)
+        candidates += bins->start[last[q] + 1] - bins->start[first[q]];
+    if (near_reserve(b->lists, b->near_count, candidates, NEAR_GUESS * b->p->n_own) != 0)
+        return -1;
+    uint32_t *found = b->lists->near.j + b->near_count;
+    size_t count = 0;
+    for (int q = 0; q < n; q++) {
+        for (uint32_t s = bins->start[first[q]]; s < bins->start[last[q] + 1]; s++) {
+            uint32_t j = bins->slot[s];
+            found[count] = j;
+            count += (j > i) & (distance2(b, i, j, periodic) <= b->near_reach2);
+        }
+    }
+    for (size_t k = 0; k < count; k++)
+        consider_near(b, i, found[k], distance2(b, i, found[k], periodic));
+    return 0;
+}
+
+static int row_from_all(struct builder *b, uint32_t i)
+{
+    /* Reserved for the pairs that are found, not for the n that are looked at. */
+    for (uint32_t j = i + 1; j < b->p->n; j++) {
+        if ((j - i) % 1024 == 1 && reserve_row(b, 1024) != 0)
+            return -1;
+        meet(b, i, j);
+    }
+    return 0;
+}
+
+/* Fills the row up to a multiple of four with slot n, which lies far from everything. */
+static void pad_row(struct builder *b)
+{
+    while (b->far_count % SIMD_LANES != 0)
+        b->lists->far.j[b->far_count++] = 2 * (uint32_t)b->p->n;
+}
+
+/* Gives the memory that row i carries over to its entries; a linked pair out of reach of contact gets its own. */
+static int remember(struct builder *b, uint32_t i)
+{
+    struct lists *l = b->lists;
+    for (uint32_t k = l->rows[i]; k < l->rows[i + 1]; k++) {
+        size_t at = l->near.start[i];
+        uint32_t partner = l->carried_b[k] & ~CARRIED_LINKED;
+        while (at < b->near_count && l->near.j[at] != partner)
+            at++;
+        if (at == b->near_count) {
+            if (near_reserve(l, b->near_count, 1, NEAR_GUESS * b->p->n_own) != 0)
+                return -1;
+            add_near(b, partner, false, 0.0, 0.0);
+        }
+        l->linked[at] = (l->carried_b[k] & CARRIED_LINKED) != 0;
+        l->stretch[at] = l->carried[2 * (size_t)k];
+        l->spring[at] = l->carried[2 * (size_t)k + 1];
+    }
+    return 0;
+}
+
+int lists_carry_start(struct lists *l, size_t n_own)
+{
+    void *rows = l->rows;
+    int status = mem_grow(&rows, &l->rows_cap, 0, n_own + 2, sizeof *l->rows);
+    l->rows = rows;
+    if (status == 0)
+        memset(l->rows, 0, (n_own + 2) * sizeof *l->rows);
+    return status;
+}
+
+/* Counts become starts: rows[a + 1] is the cursor of row a and ends where the next row begins. */
+int lists_carry_reserve(struct lists *l, size_t n_own, void *room, size_t bytes)
+{
+    for (size_t i = 0; i < n_own; i++)
+        l->rows[i + 2] += l->rows[i + 1];
+    size_t pairs = l->rows[n_own + 1], need = pairs * (2 * sizeof *l->carried + sizeof *l->carried_b);
+    if (need > bytes) {
+        if (mem_grow(&l->carried_own, &l->carried_own_cap, 0, need, 1) != 0)
+            return -1;
+        room = l->carried_own;
+    }
+    l->carried = room;
+    l->carried_b = pairs > 0 ? (uint32_t *)(void *)(l->carried + 2 * pairs) : NULL;
+    return 0;
+}
+
+static struct builder begin(struct lists *lists, const struct model *m, const struct particles *p, bool initial)
+{
+    double dr = m->config->delta_r, near = m->has_near || initial ? 2.0 * m->radius_max + m->margins.close : 0.0;
+    struct builder b = {.lists = lists, .m = m, .p = p, .initial = initial};
+    if (initial && near < initial_reach * 2.0 * m->radius_max)
+        near = initial_reach * 2.0 * m->radius_max;
+    b.far_reach2 = m->has_far ? (m->far_cutoff + dr) * (m->far_cutoff + dr) : -1.0;
+    b.near_reach2 = near > 0.0 ? near * near : -1.0;
+    for (int a = 0; a < 2; a++) {
+        b.period[a] = m->grid.periodic[a] ? m->grid.size[a] : 0.0;
+        b.half[a] = m->grid.periodic[a] ? 0.5 * m->grid.size[a] : INFINITY;
+    }
+    return b;
+}
+
+enum dm2_status lists_build(struct lists *lists, const struct model *m, const struct particles *p,
+                            const struct cells *cells, bool initial, struct dm2_error *err)
+{
+    struct builder b = begin(lists, m, p, initial);
+    for (int part = 0; part < PART_COUNT; part++)
+        lists->inner[part].valid = lists->links[part].valid = false;
+    lists->n_inside = cells->start[cells->n_inside];
+    bool all_pairs = m->config->search == SEARCH_LISTS;
+    bool binned = bins_serve(&b), periodic = m->grid.periodic[0] || m->grid.periodic[1];
+    enum dm2_status status = DM2_MEMORY;
+    if ((binned && bins_assign(&lists->bins, p->r, p->n) != 0) ||
+        list_reserve_rows(&lists->far, p->n_own) != 0 || list_reserve_rows(&lists->near, p->n_own) != 0)
+        goto done;
+    for (int own = 0; own < cells->n_own; own++) {
+        if (own % 1024 == 0)
+            pulse_beat(&m->pulse);
+        for (uint32_t i = cells->start[own]; i < cells->start[own + 1]; i++) {
+            lists->far.start[i] = (uint32_t)b.far_count;
+            lists->near.start[i] = (uint32_t)b.near_count;
+            if ((all_pairs            ? row_from_all(&b, i)
+                 : binned && periodic ? row_from_bins(&b, i, true)
+                 : binned             ? row_from_bins(&b, i, false)
+                                      : row_from_cells(&b, cells, own, i)) != 0 ||
+                remember(&b, i) != 0)
+                goto done;
+            if (m->wide_far)
+                pad_row(&b);
+            if (b.far_count > UINT32_MAX || b.near_count > UINT32_MAX) {
+                status = dm2_fail(err, DM2_NUMERIC, "a subdomain's neighbour list has more than 2^32 - 1 pairs: use more "
+                                                    "servers or a smaller r_c");
+                goto done;
+            }
+        }
+    }
+    lists->far.start[p->n_own] = (uint32_t)b.far_count;
+    lists->near.start[p->n_own] = (uint32_t)b.near_count;
+    status = DM2_OK;
+    if (b.overlap)
+        status = dm2_fail(err, DM2_DECK,
+                          "elements %u and %u start closer than half their contact distance, near (%g, %g) cm: bodies "
+                          "'%s' and '%s' overlap, or a spacing is too small for its radius",
+                          p->id[b.close_a], p->id[b.close_b], p->r[2 * b.close_a], p->r[2 * b.close_a + 1],
+                          m->config->bodies[p->body[b.close_a]].name, m->config->bodies[p->body[b.close_b]].name);
+done:
+    if (status == DM2_MEMORY)
+        return dm2_fail(err, DM2_MEMORY, "no memory for the neighbour lists of %zu elements", p->n_own);
+    return status;
+}
+
+int lists_keep_memory(struct lists *l, bool springs)
+{
+    size_t n = l->near.start[l->n_inside], numbers = springs ? 2 * n : n;
+    void *kept = l->kept;
+    int status = mem_grow(&kept, &l->kept_cap, 0, numbers * sizeof *l->kept + n * sizeof *l->linked + 1, 1);
+    l->kept = kept;
+    if (status != 0 || n == 0)
+        return status;
+    if (springs)
+        memcpy(l->kept, l->spring, n * sizeof *l->kept);
+    memcpy(l->kept + numbers - n, l->stretch, n * sizeof *l->kept);
+    memcpy(l->kept + numbers, l->linked, n * sizeof *l->linked);
+    return 0;
+}
+
+void lists_restore_memory(struct lists *l, bool springs)
+{
+    size_t n = l->near.start[l->n_inside], numbers = springs ? 2 * n : n;
+    if (n == 0)
+        return;
+    if (springs)
+        memcpy(l->spring, l->kept, n * sizeof *l->kept);
+    memcpy(l->stretch, l->kept + numbers - n, n * sizeof *l->kept);
+    memcpy(l->linked, l->kept + numbers, n * sizeof *l->linked);
+}
+
+void lists_free(struct lists *l)
+{
+    for (int part = 0; part < PART_COUNT; part++) {
+        inner_list_free(&l->inner[part]);
+        link_list_free(&l->links[part]);
+    }
+    free(l->far.start);
+    free(l->far.j);
+    free(l->near.start);
+    free(l->near.j);
+    free(l->linked);
+    free(l->stretch);
+    free(l->spring);
+    bins_free(&l->bins);
+    free(l->carried_own);
+    free(l->kept);
+    free(l->rows);
+    *l = (struct lists){0};
+}
+
+size_t lists_bytes(const struct lists *l)
+{
+    size_t bytes = (l->far.row_cap + l->far.cap + l->near.row_cap + l->near.cap) * sizeof(uint32_t) +
+                   l->memory_cap * (1 + 2 * sizeof(double)) + bins_bytes(&l->bins) + l->carried_own_cap +
+                   l->rows_cap * sizeof *l->rows + l->kept_cap;
+    for (int part = 0; part < PART_COUNT; part++)
+        bytes += inner_list_bytes(&l->inner[part]) + link_list_bytes(&l->links[part]);
+    return bytes;
+}

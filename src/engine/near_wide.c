@@ -1,0 +1,420 @@
+/* Links four at a time: pair_interact of law.h in the lanes of a vector, for what most pairs of a solid do at most
+ * steps: a Morse bond that does not break, with damping, yield in tension, shear spring and plastic slip, viscosity,
+ * conduction. Every lane does the operations of the plain path in the same order, so the bits do not tell which ran;
+ * one that needs more (it breaks, closes a void, leaves the range) takes the plain path.
+ *
+ * A pair's chain of operations is some hundreds of cycles long, and a processor looks ahead no further than about one
+ * quad. So a block of quads goes through three short stages, one after the other: in each, the next quad does not wait for
+ * the one before it.
+ *
+ * Doubles become integers by adding 1.5 * 2^52 (see far.c), which rounds as llrint does, so here the range is 2^50. */
+#include <math.h>
+
+#include "dm2/base/simd.h"
+#include "dm2/engine/pair_pass.h"
+
+static const double shifter = 0x1.8p52;
+
+enum { BLOCK = 8 }; /* quads that go through the stages together */
+
+/* What the stages hand on of one quad. */
+struct lanes {
+    simd_real dx, dy;                  /* from j to i; for measuring */
+    simd_real r, over, nx, ny, vn, vt; /* distance, its reciprocal, n, relative velocity */
+    simd_real x, e, f;                 /* bond length, exp(-alpha (x - r0)), central force */
+};
+
+#define OF_I(array) ((simd_real){(array)[q->i[0]], (array)[q->i[1]], (array)[q->i[2]], (array)[q->i[3]]})
+#define OF_J(array) ((simd_real){(array)[q->j[0]], (array)[q->j[1]], (array)[q->j[2]], (array)[q->j[3]]})
+#define OF_K(array) ((simd_real){(array)[q->k[0]], (array)[q->k[1]], (array)[q->k[2]], (array)[q->k[3]]})
+#define LESSER(a, b) SIMD_CHOOSE((a) < (b), a, b)
+#define FIXED(x) ((simd_int)((x) + shifter) - (simd_int)(zero + shifter))
+#define KEPT(x, left) ((simd_real)((simd_int)(x) & ~(left))) /* 0 in the lanes left */
+#define MAGNITUDE(x) ((simd_real)((simd_int)(x) & (simd_int){INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX}))
+
+/* Four rows of four integers, transposed: component c of lane q becomes component q of lane c. */
+DM2_INLINE void transpose(const simd_int in[4], simd_int out[4])
+{
+    simd_int a = SIMD_EVEN(in[0], in[1]), b = SIMD_ODD(in[0], in[1]); /* x0 y0 x2 y2, x1 y1 x3 y3 */
+    simd_int c = SIMD_EVEN(in[2], in[3]), d = SIMD_ODD(in[2], in[3]);
+    out[0] = SIMD_LOW(a, c);
+    out[1] = SIMD_LOW(b, d);
+    out[2] = SIMD_HIGH(a, c);
+    out[3] = SIMD_HIGH(b, d);
+}
+
+/* Adds the effects to the sums of both elements of each pair. far: what differs in the second four sums of j. */
+DM2_INLINE void scatter(const struct link_quad *q, int64_t *pair_sum, const simd_int force[4], const simd_int other_i[4],
+                        const simd_int other_j[4])
+{
+    simd_int *sums = (simd_int *)(void *)pair_sum; /* cache lines: aligned */
+    simd_int f[4], oi[4], oj[4];
+    transpose(force, f);
+    transpose(other_i, oi);
+    transpose(other_j, oj);
+    for (int c = 0; c < SIMD_LANES; c++) {
+        simd_int *i = sums + 2 * (size_t)q->i[c], *j = sums + 2 * (size_t)q->j[c];
+        i[0] += f[c];
+        i[1] += oi[c];
+        j[0] -= f[c];
+        j[1] += oj[c];
+    }
+}
+
+/* e^x of each lane, the operations of real_exp; |x| <= 700. */
+DM2_INLINE void exp_lanes(const simd_real *in, simd_real *out)
+{
+    simd_real x = *in, shifted = x * 0x1.71547652b82fep0 + shifter, kd = shifted - shifter;
+    simd_real z = (x - kd * 0x1.62e42fefa0000p-1) - kd * 0x1.cf79abc9e3b3ap-40;
+    simd_real z2 = z * z, z4 = z2 * z2;
+    simd_real p01 = 1.0 + z, p23 = 0.5 + z * 0x1.5555555555555p-3;
+    simd_real p45 = 0x1.5555555555555p-5 + z * 0x1.1111111111111p-7;
+    simd_real p67 = 0x1.6c16c16c16c17p-10 + z * 0x1.a01a01a01a01ap-13;
+    simd_real p89 = 0x1.a01a01a01a01ap-16 + z * 0x1.71de3a556c734p-19;
+    simd_real pab = 0x1.27e4fb7789f5cp-22 + z * 0x1.ae64567f544e4p-26;
+    simd_real pcd = 0x1.1eed8eff8d898p-29 + z * 0x1.6124613a86d09p-33;
+    simd_real low = p01 + z2 * p23, mid = p45 + z2 * p67, high = p89 + z2 * pab;
+    simd_int scale = ((simd_int)shifted + 1023) << 52; /* the low bits of `shifted` are k */
+    *out = ((low + z4 * mid) + (z4 * z4) * (high + z4 * pcd)) * (simd_real)scale;
+}
+
+/* log x of each lane, the operations of real_log; 1/2 <= x <= 1. */
+DM2_INLINE void log_lanes(const simd_real *in, simd_real *out)
+{
+    const simd_real zero = {0.0};
+    const simd_int low = *in < 0x1.6a09e667f3bcdp-1;
+    simd_real m = SIMD_CHOOSE(low, 2.0 * *in, *in), power = SIMD_CHOOSE(low, zero - 1.0, zero);
+    simd_real s = (m - 1.0) / (m + 1.0), q = s * s, sum = zero;
+    for (int k = 21; k >= 3; k -= 2)
+        sum = (sum + 1.0 / k) * q;
+    *out = power * 0x1.62e42fefa0000p-1 + ((2.0 * s + 2.0 * s * sum) + power * 0x1.cf79abc9e3b3ap-40);
+}
+
+/* Is any lane set? All? */
+DM2_INLINE bool any(const simd_int *mask)
+{
+    return ((*mask)[0] | (*mask)[1] | (*mask)[2] | (*mask)[3]) != 0;
+}
+
+DM2_INLINE bool all(const simd_int *mask)
+{
+    return ((*mask)[0] & (*mask)[1] & (*mask)[2] & (*mask)[3]) != 0;
+}
+
+/* Component 0 and 1 of an array of two-vectors: what i has over j, in lanes. */
+DM2_INLINE void differences(const double *array, const struct link_quad *q, simd_real *x, simd_real *y)
+{
+    const simd_real2 *a = (const simd_real2 *)(const void *)array;
+    simd_real2 d0 = a[q->i[0]] - a[q->j[0]], d1 = a[q->i[1]] - a[q->j[1]];
+    simd_real2 d2 = a[q->i[2]] - a[q->j[2]], d3 = a[q->i[3]] - a[q->j[3]];
+    simd_real even = SIMD_JOIN(d0, d2), odd = SIMD_JOIN(d1, d3);
+    *x = SIMD_EVEN(even, odd);
+    *y = SIMD_ODD(even, odd);
+}
+
+/* Stage 1: how the two stand and move. The sums of j, most of which were last touched a step ago, are fetched meanwhile. */
+DM2_INLINE void geometry(const struct pass *pass, const struct link_quad *q, bool periodic, struct lanes *out)
+{
+    const simd_real zero = {0.0};
+    simd_real dx, dy, dvx, dvy;
+    for (int c = 0; c < SIMD_LANES; c++)
+        __builtin_prefetch(pass->p->pair_sum + SUM_COUNT * (size_t)q->j[c], 1);
+    differences(pass->p->r, q, &dx, &dy);
+    if (periodic) {
+        const simd_real half_x = zero + pass->half[0], half_y = zero + pass->half[1];
+        const simd_real period_x = zero + pass->period[0], period_y = zero + pass->period[1];
+        dx = dx - SIMD_CHOOSE(dx > half_x, period_x, zero) + SIMD_CHOOSE(dx < -half_x, period_x, zero);
+        dy = dy - SIMD_CHOOSE(dy > half_y, period_y, zero) + SIMD_CHOOSE(dy < -half_y, period_y, zero);
+    }
+    differences(pass->p->v, q, &dvx, &dvy);
+    simd_real r2 = dx * dx + dy * dy;
+    out->dx = dx;
+    out->dy = dy;
+    out->r = (simd_real){sqrt(r2[0]), sqrt(r2[1]), sqrt(r2[2]), sqrt(r2[3])};
+    out->over = 1.0 / out->r;
+    out->nx = dx * out->over;
+    out->ny = dy * out->over;
+    out->vn = dvx * out->nx + dvy * out->ny;
+    out->vt = dvy * out->nx - dvx * out->ny;
+}
+
+/* Stage 2: the Morse force. Beyond the range of exp_lanes e means nothing, which stage 3 sees by x. */
+DM2_INLINE void central(const struct pair_law *law, const struct lists *l, const struct link_quad *q, struct lanes *at)
+{
+    at->x = at->r - OF_K(l->stretch);
+    simd_real power = law->shape - law->bond.alpha * at->x;
+    exp_lanes(&power, &at->e);
+    at->f = law->bond.force * (at->e * at->e - at->e);
+}
+
+/* What a measuring evaluation adds up of four links. */
+struct tally {
+    simd_int virial[VIRIAL_COUNT], around[AROUND_COUNT], potential, elastic;
+};
+
+/* The same numbers as near_measure in force.c, of fn, ft and the energy of the springs. Lanes where one leaves the range are added
+ * to *left. */
+DM2_INLINE void measure_lanes(const struct pass *pass, const struct bond *bond, const struct lanes *at,
+                              const simd_real of[3], struct tally *out, simd_int *left)
+{
+    const simd_real fn = of[0], ft = of[1];
+    const struct fixed_scales *scale = &pass->m->fixed;
+    const simd_real zero = {0.0};
+    const simd_int link = {TALLY_LINK, TALLY_LINK, TALLY_LINK, TALLY_LINK}, one = link / TALLY_LINK;
+    simd_real dx = at->dx, dy = at->dy, fx = fn * at->nx - ft * at->ny, fy = fn * at->ny + ft * at->nx;
+    simd_real xx = dx * fx * scale->virial, yy = dy * fy * scale->virial;
+    simd_real xy = 0.5 * (dx * fy + dy * fx) * scale->virial;
+    simd_real potential = bond->energy * ((1.0 - at->e) * (1.0 - at->e)) * scale->energy;
+    simd_real elastic = of[2] * scale->energy;
+    simd_real largest = MAGNITUDE(xx) + MAGNITUDE(yy) + MAGNITUDE(xy) + MAGNITUDE(potential) + MAGNITUDE(elastic);
+    *left |= ~(largest < 0x1p50);
+    dx = KEPT(dx, *left);
+    dy = KEPT(dy, *left);
+    out->virial[VIRIAL_XX] = FIXED(KEPT(xx, *left));
+    out->virial[VIRIAL_YY] = FIXED(KEPT(yy, *left));
+    out->virial[VIRIAL_XY] = FIXED(KEPT(xy, *left));
+    out->around[AROUND_XX] = FIXED(dx * dx * scale->around);
+    out->around[AROUND_YY] = FIXED(dy * dy * scale->around);
+    out->around[AROUND_XY] = FIXED(dx * dy * scale->around);
+    out->virial[VIRIAL_TALLY] = one * TALLY_PAIR + link + (one * TALLY_CONTACT & (at->r <= bond->r0));
+    out->potential = FIXED(KEPT(potential, *left));
+    out->elastic = FIXED(KEPT(elastic, *left));
+}
+
+/* Adds it to both elements of each pair but those left, and the energies of those that count here. */
+DM2_INLINE void add_tally(struct pass *pass, const struct link_quad *q, const struct tally *t, const simd_int *left)
+{
+    struct particles *p = pass->p;
+    simd_int *sums = (simd_int *)(void *)p->virial, virial[4];
+    int64_t potential = 0, elastic = 0;
+    transpose(t->virial, virial);
+    for (int c = 0; c < SIMD_LANES; c++) {
+        if ((*left)[c])
+            continue;
+        int64_t *i = p->around + AROUND_COUNT * (size_t)q->i[c], *j = p->around + AROUND_COUNT * (size_t)q->j[c];
+        sums[q->i[c]] += virial[c];
+        sums[q->j[c]] += virial[c];
+        for (int a = 0; a < AROUND_COUNT; a++) {
+            i[a] += t->around[a][c];
+            j[a] += t->around[a][c];
+        }
+        if (!counts_here(p, q->i[c], q->j[c]))
+            continue;
+        potential += t->potential[c];
+        elastic += t->elastic[c];
+        pass->totals->links++;
+        pass->totals->contacts += (uint64_t)(t->virial[VIRIAL_TALLY][c] / TALLY_CONTACT);
+    }
+    exact_add_units(&pass->potential, potential, pass->m->fixed.energy_left);
+    exact_add_units(&pass->elastic, elastic, pass->m->fixed.energy_left);
+}
+
+/* Yield in tension, where *pulled is set: the residual stretch with which the bond holds its strength `cap`, the heat of
+ * getting there, and the bond as it is then. A lane in which no length is the right one is added to *left. */
+DM2_INLINE void yield_lanes(const struct pair_law *law, const simd_real *cap, const simd_int *pulled, struct lanes *at,
+                            simd_real *stretch, simd_real *heat, simd_int *left)
+{
+    const struct bond *bond = &law->bond;
+    simd_real q = *cap * law->shape / (law->k * bond->r0), root = 1.0 - 4.0 * q, log, e;
+    *left |= *pulled & ~(q < 0.25);
+    root = (simd_real){sqrt(root[0]), sqrt(root[1]), sqrt(root[2]), sqrt(root[3])};
+    root = 0.5 * (1.0 + root);
+    log_lanes(&root, &log);
+    simd_real held = at->r - (bond->r0 - log * bond->r0 / law->shape), change = held - *stretch;
+    simd_real x = at->r - held, power = law->shape - bond->alpha * x;
+    exp_lanes(&power, &e);
+    *heat = KEPT(*cap * MAGNITUDE(change), ~*pulled);
+    *stretch = SIMD_CHOOSE(*pulled, held, *stretch);
+    at->x = SIMD_CHOOSE(*pulled, x, at->x);
+    at->e = SIMD_CHOOSE(*pulled, e, at->e);
+    at->f = SIMD_CHOOSE(*pulled, bond->force * (e * e - e), at->f);
+}
+
+static inline bool all_linked(const struct lists *l, const struct link_quad *q)
+{
+    return l->linked[q->k[0]] & l->linked[q->k[1]] & l->linked[q->k[2]] & l->linked[q->k[3]];
+}
+
+/* Stage 3: everything else, and the sums. *left are the lanes whose pairs must take the plain path: nothing was added or
+ * changed for them. */
+DM2_INLINE void interact(struct pass *pass, struct lists *l, const struct pair_law *law, const struct link_quad *q,
+                         struct lanes *at, bool spin, bool measure, simd_int *left)
+{
+    const struct fixed_scales *scale = &pass->m->fixed;
+    const struct particles *p = pass->p;
+    const struct bond *bond = &law->bond;
+    const simd_real zero = {0.0}, endless = zero + INFINITY;
+    const bool yields = law->tensile_i < INFINITY || law->tensile_j < INFINITY || law->yield_i < INFINITY ||
+                        law->yield_j < INFINITY;
+    const bool tangential = spin && law->tangential;
+    simd_real over = at->over, stretch = OF_K(l->stretch), cap = endless, held = endless, torn = zero;
+    if (yields) {
+        simd_real soft_i = OF_I(p->soft), soft_j = OF_J(p->soft);
+        simd_real pull_i = law->tensile_i * soft_i, pull_j = law->tensile_j * soft_j;
+        simd_real slip_i = law->yield_i * soft_i, slip_j = law->yield_j * soft_j;
+        cap = LESSER(pull_i, pull_j) * bond->area;
+        held = LESSER(slip_i, slip_j) * bond->area;
+    }
+    simd_real power = law->shape - bond->alpha * at->x;
+    simd_int more = (at->r > bond->breaks) | (at->x > bond->peak) | ((stretch > 0.0) & (at->f > cap)) |
+                    ~((MAGNITUDE(power) < 700.0) & (at->r > 0.0));
+    if (!all_linked(l, q)) {
+        for (int c = 0; c < SIMD_LANES; c++)
+            more[c] |= l->linked[q->k[c]] ? 0 : -1;
+    }
+    simd_int pulled = (at->f < -cap) & ~more;
+    if (yields && any(&pulled))
+        yield_lanes(law, &cap, &pulled, at, &stretch, &torn, &more);
+
+    simd_real cn = zero + law->cn_mass, ct = zero + law->ct_mass;
+    if (law->a_p != 0.0 || law->a_t != 0.0) {
+        simd_real change = 1.0 + law->a_p * (0.5 * (OF_I(p->p) + OF_J(p->p))) +
+                           law->a_t * (0.5 * (OF_I(p->temperature) + OF_J(p->temperature)) - law->t0_mean);
+        cn = cn * SIMD_CHOOSE(change > 0.0, change, zero);
+    }
+    simd_real fdn = -cn * at->vn, fn = at->f + fdn;
+    simd_real ft = zero, fdt = zero, arm_i = zero, arm_j = zero, freed = torn, damped = zero, before = zero, spring = zero;
+    if (tangential) {
+        simd_real share = at->r * bond->over_r0;
+        before = OF_K(l->spring);
+        arm_i = share * law->radius_i;
+        arm_j = share * law->radius_j;
+        simd_real vt = at->vt - (OF_I(p->w) * arm_i + OF_J(p->w) * arm_j);
+        spring = before + vt * pass->dt_path;
+        if (yields) {
+            const simd_int sign = {INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN};
+            simd_int slips = law->kt_link * MAGNITUDE(spring) > held;
+            held = held / law->kt_link;
+            held = (simd_real)(((simd_int)held & ~sign) | ((simd_int)spring & sign));
+            freed = freed + SIMD_CHOOSE(slips, law->kt_link * (0.5 * (before + held)) * (spring - held), zero);
+            spring = SIMD_CHOOSE(slips, held, spring);
+        }
+        simd_real fs = -law->kt_link * spring;
+        fdt = -ct * vt;
+        ft = fs + fdt;
+        damped = damped - fdt * vt * pass->dt_kick;
+    }
+    damped = damped - fdn * at->vn * pass->dt_kick;
+    simd_real gained = zero;
+    if (law->conduction > 0.0)
+        gained = law->conduction * (bond->area * over) * (OF_J(p->temperature) - OF_I(p->temperature)) * pass->dt_kick;
+
+    simd_real largest = (MAGNITUDE(fn) + MAGNITUDE(fdn)) + (MAGNITUDE(ft) + MAGNITUDE(fdt));
+    simd_real heat = MAGNITUDE(freed) + MAGNITUDE(damped) + MAGNITUDE(gained);
+    more |= ~((largest * scale->force < 0x1p50) & (heat * scale->heat < 0x1p50));
+    struct tally tally;
+    if (measure) {
+        const simd_real of[3] = {fn, ft, 0.5 * law->kt_link * (spring * spring)};
+        measure_lanes(pass, bond, at, of, &tally, &more);
+    }
+    *left = more;
+    const bool some = any(&more);
+    if (some && all(&more))
+        return;
+    if (measure)
+        add_tally(pass, q, &tally, &more);
+
+    simd_real nx = at->nx, ny = at->ny;
+    if (some) {
+        nx = KEPT(nx, more), ny = KEPT(ny, more);
+        fn = KEPT(fn, more), ft = KEPT(ft, more);
+        fdn = KEPT(fdn, more), fdt = KEPT(fdt, more);
+        arm_i = KEPT(arm_i, more), arm_j = KEPT(arm_j, more);
+        freed = KEPT(freed, more), damped = KEPT(damped, more), gained = KEPT(gained, more);
+        spring = SIMD_CHOOSE(more, before, spring);
+    }
+    simd_real sx = nx * scale->force, sy = ny * scale->force;
+    simd_int force[4] = {FIXED(fn * sx - ft * sy), FIXED(fn * sy + ft * sx), FIXED(fdn * sx - fdt * sy),
+                         FIXED(fdn * sy + fdt * sx)};
+    simd_int qfreed = FIXED(0.5 * freed * scale->heat), qdamped = FIXED(0.5 * damped * scale->heat);
+    simd_int qgained = FIXED(gained * scale->heat);
+    simd_real tt = ft * scale->torque, tdt = fdt * scale->torque;
+    simd_int other_i[4] = {-FIXED(arm_i * tt), -FIXED(arm_i * tdt), qfreed, qdamped + qgained};
+    simd_int other_j[4] = {-FIXED(arm_j * tt), -FIXED(arm_j * tdt), qfreed, qdamped - qgained};
+    scatter(q, p->pair_sum, force, other_i, other_j);
+    for (int c = 0; tangential && c < SIMD_LANES; c++)
+        l->spring[q->k[c]] = spring[c];
+    pulled = pulled & ~more;
+    if (yields && any(&pulled)) {
+        for (int c = 0; c < SIMD_LANES; c++) {
+            if (pulled[c])
+                l->stretch[q->k[c]] = stretch[c];
+        }
+    }
+}
+
+DM2_INLINE void wide_groups(struct pass *pass, struct lists *l, bool spin, bool periodic, bool measure,
+                            take_single *single)
+{
+    const struct link_list *links = &l->links[pass->part];
+    for (size_t g = 0; g < links->n_groups; g++) {
+        const struct link_group *group = &links->group[g];
+        for (size_t done = 0; done < group->n; done += BLOCK) {
+            const struct link_quad *q = links->quad + group->first + done;
+            size_t n = group->n - done < BLOCK ? group->n - done : BLOCK;
+            struct lanes at[BLOCK];
+            for (size_t b = 0; b < n; b++)
+                geometry(pass, &q[b], periodic, &at[b]);
+            for (size_t b = 0; b < n; b++)
+                central(group->law, l, &q[b], &at[b]);
+            for (size_t b = 0; b < n; b++) {
+                simd_int left;
+                interact(pass, l, group->law, &q[b], &at[b], spin, measure, &left);
+                if (!any(&left))
+                    continue;
+                for (int c = 0; c < SIMD_LANES; c++) {
+                    if (left[c])
+                        single(pass, l, q[b].i[c], q[b].k[c]);
+                }
+            }
+        }
+    }
+}
+
+DM2_WIDE static void wide_spinning(struct pass *pass, struct lists *l, take_single *single)
+{
+    wide_groups(pass, l, true, false, false, single);
+}
+
+DM2_WIDE static void wide_spinning_periodic(struct pass *pass, struct lists *l, take_single *single)
+{
+    wide_groups(pass, l, true, true, false, single);
+}
+
+DM2_WIDE static void wide_central(struct pass *pass, struct lists *l, take_single *single)
+{
+    wide_groups(pass, l, false, false, false, single);
+}
+
+DM2_WIDE static void wide_central_periodic(struct pass *pass, struct lists *l, take_single *single)
+{
+    wide_groups(pass, l, false, true, false, single);
+}
+
+DM2_WIDE static void wide_measured(struct pass *pass, struct lists *l, take_single *single)
+{
+    wide_groups(pass, l, true, false, true, single);
+}
+
+DM2_WIDE static void wide_measured_periodic(struct pass *pass, struct lists *l, take_single *single)
+{
+    wide_groups(pass, l, true, true, true, single);
+}
+
+void near_wide(struct pass *pass, struct lists *lists, take_single *single)
+{
+    const struct model *m = pass->m;
+    bool periodic = m->grid.periodic[0] || m->grid.periodic[1];
+    if (pass->totals != NULL && periodic)
+        wide_measured_periodic(pass, lists, single);
+    else if (pass->totals != NULL)
+        wide_measured(pass, lists, single);
+    else if (m->has_spin && periodic)
+        wide_spinning_periodic(pass, lists, single);
+    else if (m->has_spin)
+        wide_spinning(pass, lists, single);
+    else if (periodic)
+        wide_central_periodic(pass, lists, single);
+    else
+        wide_central(pass, lists, single);
+}

@@ -1,0 +1,156 @@
+/* Phase transitions.
+ *
+ * Every phase but a material's first names the one it forms from and a line in the plane of pressure and
+ * temperature. An element changes when it is above that line, and back when it is below it by more than the
+ * hysteresis, so that the drop of pressure or temperature that the change itself makes does not undo it.
+ *
+ * Energy: the internal energy of a phase is m (cp (T - T0) + e), e a constant of the phase that follows from
+ * the latent heat; a change keeps that sum, so that m e leaves the thermal energy. What new stiffness and
+ * size do to the bonds at their present lengths, and a new radius to the spin, is taken from the account
+ * `moved` of the element. So kinetic, potential, elastic and thermal energy and the two accounts together
+ * stay what they were. The forces of the step across the change are those after it: the book is then off by v
+ * dF dt/2 once per change.
+ *
+ * Sums over bonds are integers, so their order does not matter; mirrored elements carry their mark with them,
+ * so that both owners of a bond get the same numbers. */
+#include "dm2/engine/phase.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "dm2/base/mem.h"
+
+/* How far (p, t) is above the line of this phase, in Mbar or K. */
+static double above_line(const struct phase_config *phase, double p, double t)
+{
+    if (phase->transition == TRANSITION_PRESSURE)
+        return p - (phase->p_line + phase->dp_dt * (t - phase->t_line));
+    return t - (phase->t_line + phase->dt_dp * (p - phase->p_line));
+}
+
+size_t phase_of(const struct model *m, size_t kind, double p, double t)
+{
+    for (size_t k = m->config->n_materials; k < m->n_kinds; k++)
+        if (m->kinds[k].from == kind && above_line(m->kinds[k].phase, p, t) > 0.0)
+            return k;
+    const struct kind *now = &m->kinds[kind];
+    if (now->phase != NULL && now->phase->reversible && above_line(now->phase, p, t) < -now->hysteresis)
+        return now->from;
+    return kind;
+}
+
+double phase_radius(const struct model *m, double radius, size_t was, size_t kind)
+{
+    const struct kind *from = &m->kinds[was], *to = &m->kinds[kind];
+    return from->material == to->material && from != to ? radius * (to->size / from->size) : radius;
+}
+
+void phase_become(const struct model *m, struct particles *p, size_t i, size_t kind)
+{
+    size_t was = p->kind[i];
+    double before = p->radius[i], after = phase_radius(m, before, was, kind);
+    if (after != before) {
+        double w = p->w[i], spun = w * ((before * before) / (after * after));
+        p->moved[i] += 0.25 * p->mass[i] * ((before * before) * (w * w) - (after * after) * (spun * spun));
+        p->w[i] = spun;
+    }
+    p->heat[i] += p->mass[i] * (m->kinds[was].energy - m->kinds[kind].energy);
+    p->kind[i] = (uint16_t)kind;
+    p->radius[i] = after;
+    particles_warm(p, m, i, 1.0 / p->mass[i]);
+}
+
+void phase_follow(const struct model *m, struct particles *p, size_t i, size_t was, size_t kind)
+{
+    if (p->kind[i] != kind)
+        p->radius[i] = phase_radius(m, p->radius[i], was, kind);
+    p->kind[i] = (uint16_t)kind;
+    p->was[i] = (uint16_t)was;
+}
+
+void phase_apply(const struct model *m, struct particles *p)
+{
+    for (size_t i = 0; i < p->n_own; i++) {
+        if (p->was[i] != p->kind[i])
+            continue; /* it has just become the product of a reaction */
+        size_t kind = phase_of(m, p->kind[i], p->p[i], p->temperature[i]);
+        if (kind != p->kind[i])
+            phase_become(m, p, i, kind);
+    }
+}
+
+/* Energy that a bond holds: as pair_interact (dm2/engine/law.h) counts it before it looks at the status anew. */
+static double bond_energy(const struct pair_law *law, double r, double r0, bool linked, double stretch,
+                          double spring)
+{
+    double u = 0.0, kt = linked ? law->kt_link : law->kt_contact;
+    if (linked || r <= r0)
+        (void)potential_force(law, linked ? r - stretch : r, r0, &u);
+    return u + 0.5 * kt * (spring * spring);
+}
+
+/* What the change of i's or j's kind adds to the energy of their bond. */
+static double bond_change(const struct model *m, const struct particles *p, const struct lists *l, size_t i,
+                          size_t j, uint32_t entry)
+{
+    double period[2], half[2], d[2], radius_i = phase_radius(m, p->radius[i], p->kind[i], p->was[i]),
+                                     radius_j = phase_radius(m, p->radius[j], p->kind[j], p->was[j]);
+    enum relation relation = relation_of(p->body[i], p->grain[i], p->body[j], p->grain[j]);
+    for (size_t a = 0; a < 2; a++) {
+        period[a] = m->grid.periodic[a] ? m->grid.size[a] : 0.0;
+        half[a] = m->grid.periodic[a] ? 0.5 * m->grid.size[a] : INFINITY;
+        d[a] = lists_wrap(p->r[2 * i + a] - p->r[2 * j + a], period[a], half[a]);
+    }
+    double r = sqrt(d[0] * d[0] + d[1] * d[1]);
+    double before = bond_energy(model_law(m, p->was[i], p->was[j], relation), r, radius_i + radius_j,
+                                l->linked[entry], l->stretch[entry], l->spring[entry]);
+    double after = bond_energy(model_law(m, p->kind[i], p->kind[j], relation), r, p->radius[i] + p->radius[j],
+                               l->linked[entry], l->stretch[entry], l->spring[entry]);
+    return after - before;
+}
+
+static bool any_changed(const struct particles *p)
+{
+    for (size_t i = 0; i < p->n; i++)
+        if (p->was[i] != p->kind[i])
+            return true;
+    return false;
+}
+
+enum dm2_status phase_account(const struct model *m, struct particles *p, const struct lists *lists,
+                              int64_t step, struct dm2_error *err)
+{
+    if (!any_changed(p))
+        return DM2_OK;
+    int64_t *sum = mem_zalloc(p->n, sizeof *sum);
+    if (sum == NULL)
+        return dm2_fail(err, DM2_MEMORY, "no memory to account for phase changes of %zu elements", p->n);
+    enum dm2_status status = DM2_OK;
+    double scale = m->fixed.energy;
+    for (size_t i = 0; i < p->n_own && status == DM2_OK; i++) {
+        for (uint32_t k = lists->near.start[i]; k < lists->near.start[i + 1]; k++) {
+            size_t j = lists->near.j[k];
+            if (p->was[i] == p->kind[i] && p->was[j] == p->kind[j])
+                continue;
+            double half = 0.5 * bond_change(m, p, lists, i, j, k) * scale;
+            if (!(fabs(half) < 0x1p57)) {
+                status = dm2_fail(
+                    err, DM2_NUMERIC,
+                    "step %lld: the change of phase of element %u or %u, near (%g, %g) cm, moves more energy "
+                    "than sums can hold: check the densities and stiffnesses of the phases",
+                    (long long)step, p->id[i], p->id[j], p->r[2 * i], p->r[2 * i + 1]);
+                break;
+            }
+            int64_t moved = (int64_t)(half + copysign(0.5, half));
+            sum[i] -= moved;
+            sum[j] -= moved;
+        }
+    }
+    for (size_t i = 0; i < p->n; i++) {
+        if (i < p->n_own)
+            p->moved[i] += (double)sum[i] / scale;
+        p->was[i] = p->kind[i];
+    }
+    free(sum);
+    return status;
+}

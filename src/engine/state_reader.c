@@ -1,0 +1,143 @@
+/* Where each record of a state is. Slots are in cell order, records in the order of ids: an index of slots by id, and
+ * one of the near list's entries by the lower id of the pair, a few of which are then sorted by the higher one.
+ *
+ * The owner of the lower id of a pair has its row or is its partner, so that every pair is found in some row here. */
+#include "dm2/engine/state_reader.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "dm2/base/mem.h"
+
+struct id_slot {
+    uint32_t id, slot;
+};
+
+static int by_id(const void *a, const void *b)
+{
+    const struct id_slot *ia = a, *ib = b;
+    return ia->id < ib->id ? -1 : ia->id > ib->id;
+}
+
+/* Where one rank owns everybody, ids are 0 to n - 1 and tell the place themselves. */
+static bool place_by_id(struct state_reader *r)
+{
+    for (size_t i = 0; i < r->n_elements; i++) {
+        if (r->p->id[i] >= r->n_elements)
+            return false;
+        r->slot[r->p->id[i]] = (uint32_t)i;
+    }
+    return true;
+}
+
+static int sort_by_id(struct state_reader *r)
+{
+    struct id_slot *order = mem_alloc(r->n_elements, sizeof *order);
+    if (order == NULL)
+        return -1;
+    for (size_t i = 0; i < r->n_elements; i++)
+        order[i] = (struct id_slot){r->p->id[i], (uint32_t)i};
+    qsort(order, r->n_elements, sizeof *order, by_id);
+    for (size_t k = 0; k < r->n_elements; k++)
+        r->slot[k] = order[k].slot;
+    free(order);
+    return 0;
+}
+
+/* Is this entry a record here? Then *low is the slot of the lower id, which is owned. */
+static bool is_record(const struct state_reader *r, uint32_t i, uint32_t k, uint32_t *low)
+{
+    const struct particles *p = r->p;
+    uint32_t j = r->lists->near.j[k];
+    bool ordered = p->id[i] < p->id[j];
+    *low = ordered ? i : j;
+    return lists_remembers(r->lists, k) && (ordered || j < p->n_own);
+}
+
+static uint32_t higher_id(const struct state_reader *r, struct reader_pair pair)
+{
+    uint32_t a = r->p->id[pair.row], b = r->p->id[r->lists->near.j[pair.entry]];
+    return a < b ? b : a;
+}
+
+/* Those of one element, by the other's id: a handful. */
+static void sort_row(const struct state_reader *r, struct reader_pair *pair, size_t n)
+{
+    for (size_t k = 1; k < n; k++) {
+        struct reader_pair moving = pair[k];
+        size_t at = k;
+        for (; at > 0 && higher_id(r, pair[at - 1]) > higher_id(r, moving); at--)
+            pair[at] = pair[at - 1];
+        pair[at] = moving;
+    }
+}
+
+/* start[s] counts the records whose lower id is in slot s; then it is the cursor of that slot's records, which lie in the
+ * order of ids, and ends where they do. */
+static enum dm2_status index_pairs(struct state_reader *r, uint32_t *start)
+{
+    const uint32_t *row = r->lists->near.start;
+    uint32_t low;
+    size_t pairs = 0;
+    memset(start, 0, r->n_elements * sizeof *start);
+    for (uint32_t i = 0; i < r->n_elements; i++)
+        for (uint32_t k = row[i]; k < row[i + 1]; k++)
+            if (is_record(r, i, k, &low))
+                start[low]++;
+    for (size_t k = 0; k < r->n_elements; k++) {
+        uint32_t count = start[r->slot[k]];
+        start[r->slot[k]] = (uint32_t)pairs;
+        pairs += count;
+    }
+    r->pair = mem_alloc(pairs, sizeof *r->pair);
+    if (r->pair == NULL)
+        return DM2_MEMORY;
+    for (uint32_t i = 0; i < r->n_elements; i++)
+        for (uint32_t k = row[i]; k < row[i + 1]; k++)
+            if (is_record(r, i, k, &low))
+                r->pair[start[low]++] = (struct reader_pair){i, k};
+    for (size_t k = 0, first = 0; k < r->n_elements; k++) {
+        sort_row(r, r->pair + first, start[r->slot[k]] - first);
+        first = start[r->slot[k]];
+    }
+    r->n_pairs = pairs;
+    return DM2_OK;
+}
+
+enum dm2_status state_reader_open(struct state_reader *r, const struct particles *p, const struct lists *lists,
+                                  bool pairs, struct dm2_error *err)
+{
+    *r = (struct state_reader){.p = p, .lists = lists, .n_elements = p->n_own};
+    uint32_t *start = mem_alloc(p->n_own, sizeof *start);
+    r->slot = mem_alloc(p->n_own, sizeof *r->slot);
+    enum dm2_status status = start == NULL || r->slot == NULL ? DM2_MEMORY : DM2_OK;
+    if (status == DM2_OK && !place_by_id(r) && sort_by_id(r) != 0)
+        status = DM2_MEMORY;
+    if (status == DM2_OK && pairs)
+        status = index_pairs(r, start);
+    free(start);
+    if (status == DM2_OK)
+        return DM2_OK;
+    state_reader_free(r);
+    return dm2_fail(err, DM2_MEMORY, "no memory to put the state of %zu elements in order", p->n_own);
+}
+
+void state_reader_free(struct state_reader *r)
+{
+    free(r->slot);
+    free(r->pair);
+    *r = (struct state_reader){.n_pairs = 0};
+}
+
+void state_reader_element(const struct state_reader *r, size_t k, struct element *out)
+{
+    particles_get(r->p, r->slot[k], out);
+}
+
+void state_reader_pair(const struct state_reader *r, size_t k, struct pair_record *out)
+{
+    const struct lists *l = r->lists;
+    uint32_t entry = r->pair[k].entry, a = r->p->id[r->pair[k].row], b = r->p->id[l->near.j[entry]];
+    *out = (struct pair_record){.id_a = a < b ? a : b, .id_b = a < b ? b : a, .linked = l->linked[entry],
+                                .stretch = l->stretch[entry], .spring = l->spring[entry]};
+}
