@@ -137,7 +137,8 @@ fuzz:
 $(BUILD)/fuzz_%: $(BUILD)/tests/fuzz/fuzz_%.o $(BUILD)/libdm2.a
 	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) $(FUZZ_WRAP) -o $@ $^ $(LDLIBS)
 
-$(BUILD)/tests/unit/%.o: DM2_CFLAGS += -Itests/unit
+# The private headers of src/LAYER are for their layer and for tests.
+$(BUILD)/tests/%.o: DM2_CFLAGS += -Isrc -Itests/unit
 
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
 

@@ -2,7 +2,7 @@
  *
  * A child holds the writing end of a pipe that it never writes to: its end of file says that the child is gone, which
  * can be waited for together with the request to end. */
-#include "dm2/app/child.h"
+#include "child.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -5,14 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dm2/app/local_servers.h"
-#include "dm2/app/network.h"
-#include "dm2/app/options.h"
-#include "dm2/app/prediction.h"
-#include "dm2/app/progress.h"
-#include "dm2/app/run.h"
-#include "dm2/app/server_status.h"
-#include "dm2/app/signals.h"
 #include "dm2/base/mem.h"
 #include "dm2/base/version.h"
 #include "dm2/cluster/auth.h"
@@ -20,6 +12,14 @@
 #include "dm2/cluster/hosts.h"
 #include "dm2/cluster/report.h"
 #include "dm2/net/socket.h"
+#include "local_servers.h"
+#include "network.h"
+#include "options.h"
+#include "prediction.h"
+#include "progress.h"
+#include "run.h"
+#include "server_status.h"
+#include "signals.h"
 
 static const char PROGRAM[] = "dm2-client";
 static const double STATUS_SECONDS = 10; /* for a server to say what it does */

@@ -3,8 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "dm2/app/model_commands.h"
 #include "dm2/base/version.h"
+#include "model_commands.h"
 
 static const char PROGRAM[] = "dm2-model";
 

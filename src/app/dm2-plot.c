@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dm2/app/options.h"
 #include "dm2/base/csv.h"
 #include "dm2/base/number.h"
 #include "dm2/base/text.h"
@@ -14,6 +13,7 @@
 #include "dm2/plot/chart.h"
 #include "dm2/plot/picture.h"
 #include "dm2/plot/vtp_reader.h"
+#include "options.h"
 
 enum { SERIES_MAX = 32 };
 

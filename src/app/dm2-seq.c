@@ -4,18 +4,18 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "dm2/app/options.h"
-#include "dm2/app/progress.h"
-#include "dm2/app/run.h"
-#include "dm2/app/signals.h"
 #include "dm2/base/clock.h"
 #include "dm2/base/mem.h"
 #include "dm2/base/version.h"
 #include "dm2/cluster/decomposition.h"
 #include "dm2/cluster/report.h"
 #include "dm2/engine/rebuild.h"
-#include "dm2/output/state_hash.h"
 #include "dm2/engine/subdomain.h"
+#include "dm2/output/state_hash.h"
+#include "options.h"
+#include "progress.h"
+#include "run.h"
+#include "signals.h"
 
 static const char PROGRAM[] = "dm2-seq";
 

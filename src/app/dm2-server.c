@@ -10,15 +10,15 @@
 #include <sys/prctl.h>
 #endif
 
-#include "dm2/app/options.h"
-#include "dm2/app/run.h"
-#include "dm2/app/signals.h"
 #include "dm2/base/version.h"
 #include "dm2/cluster/auth.h"
 #include "dm2/cluster/messages.h"
 #include "dm2/cluster/server.h"
 #include "dm2/net/allow.h"
 #include "dm2/net/socket.h"
+#include "options.h"
+#include "run.h"
+#include "signals.h"
 
 static const char PROGRAM[] = "dm2-server";
 

@@ -3,7 +3,7 @@
  * without sleeping. Children are ended by their process ids, which stay theirs until they are waited for
  * here. A client that dies without ending them leaves none behind: --once ends a server with its session, or
  * when nobody comes. */
-#include "dm2/app/local_servers.h"
+#include "local_servers.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -15,10 +15,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "dm2/app/child.h"
 #include "dm2/base/machine.h"
 #include "dm2/base/mem.h"
 #include "dm2/net/socket.h"
+#include "child.h"
 
 static const double START_SECONDS = 20.0; /* for a server to say where it listens */
 static const double STOP_SECONDS = 5.0;   /* for one that was asked to end */

@@ -12,13 +12,13 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "dm2/app/local_servers.h"
-#include "dm2/app/model_commands.h"
-#include "dm2/app/model_options.h"
-#include "dm2/app/signals.h"
-#include "dm2/app/sweep.h"
 #include "dm2/base/version.h"
 #include "dm2/performance/calibration.h"
+#include "local_servers.h"
+#include "model_commands.h"
+#include "model_options.h"
+#include "signals.h"
+#include "sweep.h"
 
 static const double SIZES[] = {1689, 5000, 10000, 25000, 50000, 100000, 200000};
 static const double SPACING_X = 0.04, SPACING_Y = 0.03464; /* of timing.dm2, cm */

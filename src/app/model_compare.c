@@ -1,7 +1,7 @@
 /* dm2-model compare: measured beside predicted (the paper's section 7.2, Figs. 13 to 16).
  *
  * A case is a number of elements and a number of servers; its runs are averaged. The predictions are those of
- * dm2/app/prediction.h, with this machine's processors where it runs the servers itself. `critical` is computed, not
+ * app/prediction.h, with this machine's processors where it runs the servers itself. `critical` is computed, not
  * measured: the processor time of the busiest server and the communication of the model, which is what the step would
  * take if every server had a processor of its own. */
 #include <math.h>
@@ -9,14 +9,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dm2/app/local_servers.h"
-#include "dm2/app/model_commands.h"
-#include "dm2/app/model_options.h"
-#include "dm2/app/prediction.h"
-#include "dm2/app/signals.h"
-#include "dm2/app/sweep.h"
 #include "dm2/base/mem.h"
 #include "dm2/base/number.h"
+#include "local_servers.h"
+#include "model_commands.h"
+#include "model_options.h"
+#include "prediction.h"
+#include "signals.h"
+#include "sweep.h"
 
 static const double SIZES[] = {1689, 10000, 50000, 100000, 200000}; /* section 7.2 */
 

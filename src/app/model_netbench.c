@@ -3,11 +3,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "dm2/app/model_commands.h"
-#include "dm2/app/model_options.h"
-#include "dm2/app/server_choice.h"
-#include "dm2/app/signals.h"
 #include "dm2/base/number.h"
+#include "model_commands.h"
+#include "model_options.h"
+#include "server_choice.h"
+#include "signals.h"
 
 struct netbench {
     struct server_choice servers;

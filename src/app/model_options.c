@@ -2,7 +2,7 @@
  *
  * Texts are collected first and understood in one go afterwards, in a fixed order: the preset, then what
  * replaces its constants, so that the order on the command line does not matter. */
-#include "dm2/app/model_options.h"
+#include "model_options.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,11 +3,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "dm2/app/model_commands.h"
-#include "dm2/app/model_options.h"
 #include "dm2/base/mem.h"
 #include "dm2/base/number.h"
 #include "dm2/base/version.h"
+#include "model_commands.h"
+#include "model_options.h"
 
 static const int PAPER_SERVERS[] = {2, 4, 8};
 

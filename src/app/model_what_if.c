@@ -7,10 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dm2/app/model_commands.h"
-#include "dm2/app/model_options.h"
 #include "dm2/base/number.h"
 #include "dm2/base/version.h"
+#include "model_commands.h"
+#include "model_options.h"
 
 enum { CASES_MAX = 7, OWN_OPTIONS = 4, OPTIONS = OWN_OPTIONS + MODEL_OPTIONS, BEST_MOST = 1024 };
 

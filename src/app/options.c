@@ -1,5 +1,5 @@
 /* One table says everything about a program's options: the parser and the help both read it. */
-#include "dm2/app/options.h"
+#include "options.h"
 
 #include <stdbool.h>
 #include <stdlib.h>

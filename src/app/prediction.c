@@ -1,7 +1,7 @@
 /* What the model says about a run, in words. Every run has its line: with the constants of a calibration file where there
  * is one, else with what can be learned from the run itself, and then it says so: such an estimate takes T_seq from the
  * very times that it is compared with, so it tells about communication and balance, not about computing. */
-#include "dm2/app/prediction.h"
+#include "prediction.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /* A terminal gets one line that is written over, anything else a line per second. */
-#include "dm2/app/progress.h"
+#include "progress.h"
 
 #include <stdio.h>
 #include <string.h>

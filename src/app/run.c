@@ -1,5 +1,5 @@
 /* The part of dm2-seq and dm2-client that a user sees the same in both. */
-#include "dm2/app/run.h"
+#include "run.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -120,7 +120,7 @@ static enum dm2_status read_state(const char *path, const struct run *run, struc
                           (long long)out->step, (long long)run->config.steps);
     }
     for (size_t k = 0; k < n && status == DM2_OK; k++)
-        if (out->elements[k].body >= run->config.n_bodies || out->elements[k].kind >= run->model->n_kinds)
+        if (out->elements[k].body >= run->config.n_bodies || out->elements[k].kind >= config_kinds(&run->config))
             status = dm2_fail(err, DM2_PROTOCOL, "%s: element %zu is of a body or a kind that the deck does not have",
                               path, k);
     if (status != DM2_OK)

@@ -1,12 +1,12 @@
 /* Local servers live as long as one measurement: they serve one session. Named ones are left as they are found. */
-#include "dm2/app/server_choice.h"
+#include "server_choice.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "dm2/app/local_servers.h"
 #include "dm2/base/number.h"
 #include "dm2/base/version.h"
+#include "local_servers.h"
 
 static const int DEFAULT_COUNTS[] = {1, 2, 4, 8};
 

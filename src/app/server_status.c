@@ -1,6 +1,6 @@
 /* Up or not, busy with whom, version, load: what somebody wants to know before he starts a run, or who waits for one. A
  * server that does not answer has the reason in its line, and the others are asked all the same. */
-#include "dm2/app/server_status.h"
+#include "server_status.h"
 
 #include <string.h>
 #include <time.h>

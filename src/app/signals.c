@@ -1,6 +1,6 @@
 /* The self-pipe: a handler may do little more than write a byte, and poll can wait for that byte beside
  * everything else, so that no signal is missed between a look at a flag and the wait that follows. */
-#include "dm2/app/signals.h"
+#include "signals.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,16 +1,16 @@
 /* Runs for timing are the programs' own runs: nothing that is measured here differs from what a user gets. */
-#include "dm2/app/sweep.h"
+#include "sweep.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "dm2/app/child.h"
 #include "dm2/base/csv.h"
 #include "dm2/base/file.h"
 #include "dm2/base/mem.h"
 #include "dm2/base/number.h"
+#include "child.h"
 
 static const char DECK[] = "timing.dm2";
 

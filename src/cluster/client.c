@@ -27,14 +27,14 @@
 #include "dm2/base/fingerprint.h"
 #include "dm2/base/hmac.h"
 #include "dm2/base/mem.h"
-#include "dm2/cluster/copies.h"
 #include "dm2/cluster/messages.h"
-#include "dm2/cluster/relay.h"
-#include "dm2/cluster/state_merge.h"
-#include "dm2/cluster/state_parts.h"
 #include "dm2/deck/digest.h"
 #include "dm2/engine/rebuild.h"
 #include "dm2/engine/subdomain.h"
+#include "copies.h"
+#include "relay.h"
+#include "state_merge.h"
+#include "state_parts.h"
 
 static const double LOOK_SECONDS = 5e-5;    /* for messages before sleeping; a server may need the processor */
 static const double CONNECT_SECONDS = 10.0; /* at most, to open one connection */

@@ -4,7 +4,7 @@
  *
  * What a copy cost is what its step took longer than steps like it: those with a snapshot are compared with those with a
  * snapshot, so that the cost is found where every step has one. */
-#include "dm2/cluster/copies.h"
+#include "copies.h"
 
 static const double SHARE = 0.02; /* of the time, at most */
 static const double WEIGHT = 0.1; /* of the newest step in the running means */

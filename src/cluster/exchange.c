@@ -4,13 +4,13 @@
  * knows from whom it must get how many, so a missing, doubled or wrong segment is found by its length alone.
  * A rebuild sends records, and an empty parcel is not sent; whether an element belongs where it arrives is
  * the engine's check. */
-#include "dm2/cluster/exchange.h"
+#include "exchange.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "dm2/base/mem.h"
-#include "dm2/cluster/relay.h"
+#include "relay.h"
 
 enum dm2_status exchange_open(struct exchange *x, const struct model *model, int rank, int ranks,
                               struct dm2_error *err)

@@ -16,7 +16,7 @@
  *
  * Everything is sent with a deadline of now: it is small and the connection is fresh, so it goes or the visitor is none.
  * A visitor that is refused gets the same words whatever the reason; the log has the reason. */
-#include "dm2/cluster/lobby.h"
+#include "lobby.h"
 
 #include <errno.h>
 #include <math.h>

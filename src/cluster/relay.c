@@ -2,7 +2,7 @@
  * iovecs, fill. Sources are taken in ascending order, so each destination gets its segments by source
  * whatever the order in which they arrived on the network. The header of a segment is right for its receiver
  * as it is and travels on with it. */
-#include "dm2/cluster/relay.h"
+#include "relay.h"
 
 #include <stdint.h>
 #include <stdlib.h>

@@ -22,14 +22,14 @@
 #include "dm2/base/fingerprint.h"
 #include "dm2/base/mem.h"
 #include "dm2/base/text.h"
-#include "dm2/cluster/exchange.h"
-#include "dm2/cluster/lobby.h"
 #include "dm2/cluster/messages.h"
-#include "dm2/cluster/state_parts.h"
 #include "dm2/deck/digest.h"
+#include "dm2/engine/subdomain.h"
 #include "dm2/output/results.h"
 #include "dm2/output/state_hash.h"
-#include "dm2/engine/subdomain.h"
+#include "exchange.h"
+#include "lobby.h"
+#include "state_parts.h"
 
 static const double HANG_UP_SECONDS = 2.0; /* for a peer to read our last message */
 static const double MOST_PATIENCE = 10.0;  /* times --timeout, however patient the client is itself */

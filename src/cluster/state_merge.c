@@ -1,7 +1,7 @@
 /* Elements go straight to the place of their id. Pairs are appended as they come and sorted once, by counting
  * on id_a: an element has few pairs, so what is left to do within one id_a is an insertion among neighbours.
  */
-#include "dm2/cluster/state_merge.h"
+#include "state_merge.h"
 
 #include <stdlib.h>
 #include <string.h>

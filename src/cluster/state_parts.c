@@ -1,12 +1,12 @@
 /* Parts: elements first, then pairs; the last part says so. A share is made of what the cells say: who owns an
  * element's cell and who mirrors it, as the engine decides it. */
-#include "dm2/cluster/state_parts.h"
+#include "state_parts.h"
 
 #include <stdlib.h>
 
 #include "dm2/base/mem.h"
 #include "dm2/cluster/wire.h"
-#include "dm2/engine/cells.h"
+#include "dm2/engine/domain_map.h"
 
 bool state_parts_next(struct state_parts *s, struct bytes_writer *out)
 {
@@ -35,7 +35,7 @@ static bool sees(const struct domain_map *map, int rank, int cell)
 {
     uint16_t ranks[8];
     bool found = map->owner[cell] == rank;
-    for (int k = found ? 0 : cells_mirrored_by(map, cell, ranks); k > 0; k--)
+    for (int k = found ? 0 : domain_map_mirrored_by(map, cell, ranks); k > 0; k--)
         found |= ranks[k - 1] == rank;
     return found;
 }

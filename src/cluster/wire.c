@@ -14,7 +14,7 @@ struct wire_limits wire_limits_of(const struct model *model)
 {
     const struct config *c = model_config(model);
     return (struct wire_limits){
-        .elements = model_elements(model), .bodies = c->n_bodies, .kinds = c->n_materials + c->n_phases};
+        .elements = model_elements(model), .bodies = c->n_bodies, .kinds = config_kinds(c)};
 }
 
 static void require(struct bytes_reader *r, bool holds)

@@ -3,7 +3,7 @@
  *
  * What is missing is reported only where nothing unknown could have been meant by it: `sise = 1 2` is one
  * mistake, not an unknown keyword and a missing one. */
-#include "dm2/deck/bind.h"
+#include "bind.h"
 
 #include <stddef.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* The checks that look at several keywords at once. Values that were bad are NaN, and all comparisons are
  * written so that NaN triggers nothing: one mistake gives one finding. */
-#include "dm2/deck/check.h"
+#include "check.h"
 
 #include <math.h>
 #include <string.h>

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 
 #include "dm2/base/mem.h"
-#include "dm2/deck/check.h"
 #include "dm2/deck/shape.h"
+#include "check.h"
 
 enum { BOX_WORDS = 4 };
 

@@ -2,7 +2,7 @@
  * begin at once. Values that were bad are NaN; comparisons are written so that NaN triggers nothing. */
 #include <math.h>
 
-#include "dm2/deck/check.h"
+#include "check.h"
 
 static void warn_given(const struct deck_binding *b, size_t block, const char *key, const char *where)
 {

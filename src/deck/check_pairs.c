@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "dm2/deck/check.h"
+#include "check.h"
 
 struct pair_check {
     const struct deck_binding *b;

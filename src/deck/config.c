@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dm2/deck/schema.h"
-#include "dm2/deck/interaction_rule.h"
+#include "interaction_rule.h"
+#include "schema.h"
 
 int interaction_rule_rank(const struct interaction_rule *rule, int a, int b, enum relation relation)
 {

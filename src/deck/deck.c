@@ -6,9 +6,9 @@
 #include <string.h>
 
 #include "dm2/base/mem.h"
-#include "dm2/deck/check.h"
-#include "dm2/deck/expr.h"
-#include "dm2/deck/source.h"
+#include "check.h"
+#include "expr.h"
+#include "source.h"
 
 /* Reports for when there is nothing to make one of. Never freed. */
 static char no_memory_text[] = "no memory to read the deck\n";

@@ -7,8 +7,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "dm2/deck/expr.h"
-#include "dm2/deck/functions.h"
+#include "expr.h"
+#include "functions.h"
 
 /* Together, the depths of expressions that wait for one another through lets. */
 enum { EVAL_MAX_DEPTH = 2000, POWER_MAX = 1000 };

@@ -5,13 +5,13 @@
  * returns it, so that no caller meets an index that is none. Depth is bounded in the reader (recursion) and
  * in the nodes (a long chain of additions is a deep tree), so that the evaluation cannot exhaust the stack
  * either. */
-#include "dm2/deck/expr.h"
+#include "expr.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "dm2/base/mem.h"
-#include "dm2/deck/functions.h"
+#include "functions.h"
 
 const struct token *parser_peek(struct deck_parser *p)
 {

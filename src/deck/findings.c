@@ -4,7 +4,7 @@
  * The texts come from files and sockets. A report may go to a terminal, so that it shows printable ASCII and
  * well-formed UTF-8 only: any other byte is shown as '?'. Columns count characters, not bytes. Below the line
  * stands a caret; the blanks before it repeat the line's tabs, so that it stands right at any tab width. */
-#include "dm2/deck/findings.h"
+#include "findings.h"
 
 #include <stdarg.h>
 #include <stdint.h>

@@ -1,6 +1,6 @@
 /* Only functions whose result is exact or correctly rounded on every machine: a deck gives the same bits
  * everywhere, so there is no sin, exp or pow. */
-#include "dm2/deck/functions.h"
+#include "functions.h"
 
 #include <string.h>
 

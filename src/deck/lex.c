@@ -4,12 +4,12 @@
  * A number must read to its end: `1.2.3`, `0x10` and `1e` are errors, never the number that a prefix of them
  * would be. A unit may follow without a blank (`3cm`), so what follows the digits is looked up as one; that
  * is the only knowledge that the lexer has of meaning. */
-#include "dm2/deck/lex.h"
+#include "lex.h"
 
 #include <string.h>
 
 #include "dm2/base/mem.h"
-#include "dm2/deck/units.h"
+#include "units.h"
 
 struct lexer {
     const char *text;

@@ -8,10 +8,10 @@
 #include <string.h>
 
 #include "dm2/base/mem.h"
-#include "dm2/deck/expr.h"
-#include "dm2/deck/schema.h"
-#include "dm2/deck/source.h"
-#include "dm2/deck/tree.h"
+#include "expr.h"
+#include "schema.h"
+#include "source.h"
+#include "tree.h"
 
 enum text_state { TEXT_UNSEEN, TEXT_UNDER_WAY, TEXT_DONE };
 

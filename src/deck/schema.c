@@ -1,6 +1,6 @@
 /* The table, and the few functions that read it. A keyword is declared here once; reading, defaults, limits,
  * error texts and the check of the manual follow from its line. */
-#include "dm2/deck/schema.h"
+#include "schema.h"
 
 #include <math.h>
 #include <stdint.h>

@@ -4,7 +4,7 @@
  * braces and a string behind it. Anything odd about them is left to deck_load, which reports it with its
  * place; only what cannot be read from disk is an error here. A file included twice is read once, so that a
  * cycle ends here too. */
-#include "dm2/deck/source.h"
+#include "source.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,7 +13,7 @@
 #include "dm2/base/file.h"
 #include "dm2/base/mem.h"
 #include "dm2/deck/deck.h"
-#include "dm2/deck/lex.h"
+#include "lex.h"
 
 void deck_source_free(struct deck_source *source)
 {

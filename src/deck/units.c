@@ -5,7 +5,7 @@
  *
  * strtod of the C locale is correctly rounded in every libc that this program meets, so that a deck gives the
  * same bits everywhere. */
-#include "dm2/deck/units.h"
+#include "units.h"
 
 #include <math.h>
 #include <stdio.h>

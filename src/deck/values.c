@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "dm2/base/mem.h"
-#include "dm2/deck/bind.h"
-#include "dm2/deck/expr.h"
+#include "bind.h"
+#include "expr.h"
 
 /* Whole numbers up to here are exact as doubles. */
 #define WHOLE_MAX 9007199254740992.0

@@ -1,6 +1,6 @@
 /* A counting sort. Where nothing is periodic the last bins reach beyond the elements, so that edges are no longer than asked
  * for; along a periodic side they divide the domain. */
-#include "dm2/engine/bins.h"
+#include "bins.h"
 
 #include <math.h>
 #include <stdlib.h>

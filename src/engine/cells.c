@@ -1,25 +1,11 @@
 /* Which cells a subdomain sees. A cell is mirrored where it surrounds an own cell and belongs to another rank: the
  * outer boundary of the paper (section 5.1), the neighbours' inner boundary. */
-#include "dm2/engine/cells.h"
+#include "cells.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "dm2/base/mem.h"
-
-int cells_mirrored_by(const struct domain_map *map, int cell, uint16_t out[8])
-{
-    int around[8], count = 0, n = grid_neighbours(map->grid, cell, around);
-    for (int k = 0; k < n; k++) {
-        uint16_t rank = map->owner[around[k]];
-        int seen = rank == map->owner[cell];
-        for (int q = 0; q < count; q++)
-            seen |= out[q] == rank;
-        if (!seen)
-            out[count++] = rank;
-    }
-    return count;
-}
 
 static void number_cells(struct cells *c, const struct domain_map *map, int rank, int total)
 {

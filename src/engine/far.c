@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "dm2/base/simd.h"
-#include "dm2/engine/pair_pass.h"
+#include "pair_pass.h"
 
 static const double far_range = 0x1p50;
 static const double shifter = 0x1.8p52;

@@ -2,7 +2,7 @@
  * of the other; an end on the line counts as one of the sides, so that a line through a row of centres cuts
  * the links on one side of it and leaves those on the other. The ends are taken in the order of their ids:
  * every server that sees the link decides with the same numbers. */
-#include "dm2/engine/flaws.h"
+#include "flaws.h"
 
 #include "dm2/base/random.h"
 

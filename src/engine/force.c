@@ -2,7 +2,7 @@
  * lists and their effects added to both elements as 64-bit integers: integer addition does not depend on order, so
  * neither do the results. Conversion is an odd function, so action and reaction cancel to the last bit. Each
  * conversion's range is checked; nothing wraps. */
-#include "dm2/engine/force.h"
+#include "force.h"
 
 #include <assert.h>
 #include <math.h>
@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "dm2/base/simd.h"
-#include "dm2/engine/pair_pass.h"
+#include "pair_pass.h"
 
 /* --- near pairs -------------------------------------------------------------------------------------------------- */
 

@@ -3,16 +3,16 @@
  *   square:    origin + i d + j row_spacing,
  * turned about the origin by the body's angle. An element is made where a site's centre is in the shape and
  * in no void. A polycrystal or powder is made grain by grain, each with its own angle and origin
- * (dm2/engine/grains.h). */
-#include "dm2/engine/generate.h"
+ * (engine/grains.h). */
+#include "generate.h"
 
 #include <math.h>
 
 #include "dm2/base/random.h"
 #include "dm2/base/real.h"
-#include "dm2/engine/grains.h"
 #include "dm2/deck/shape.h"
-#include "dm2/engine/tables.h"
+#include "grains.h"
+#include "tables.h"
 
 /* The lattice of one body in numbers. */
 struct sites {

@@ -9,7 +9,7 @@
  * with 5 to 8 corners.
  *
  * Where the body spans a periodic direction of the domain, cells and discs go round it. */
-#include "dm2/engine/grains.h"
+#include "grains.h"
 
 #include <math.h>
 #include <stdlib.h>

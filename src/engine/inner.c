@@ -3,15 +3,15 @@
  * The list is valid while no element, owned or mirrored, is further than half the margin from where it was: then no pair that
  * was left out can have come within the cutoff. Where elements are so fast that this lasts only a few steps, drawing
  * would cost more than it saves, and the next list keeps the whole far list until the next rebuild. */
-#include "dm2/engine/inner.h"
+#include "inner.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "dm2/base/mem.h"
-#include "dm2/engine/lists.h"
-#include "dm2/engine/particles.h"
+#include "lists.h"
+#include "particles.h"
 
 /* Share of dR that the inner list reaches beyond the cutoff (measured: docs/performance.md). */
 static const double margin_share = 0.5;

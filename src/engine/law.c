@@ -1,5 +1,5 @@
 /* The inverse of the potentials, needed only where a bond yields. */
-#include "dm2/engine/law.h"
+#include "law.h"
 
 static double force_at(const struct pair_law *law, double x, double r0)
 {

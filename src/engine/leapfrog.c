@@ -5,12 +5,12 @@
  *   sum over pairs of -F_d . (v(n-1/2) + v(n+1/2))/2 dt = lagged heat - 1/2 dt sum_i (F_d,i . dv_i + tau_d,i dw_i).
  * Kinetic energy at the whole step is that of the mean velocity; thermal energy there counts half of the damping heat
  * of the step around it, and all heat that was freed by then. */
-#include "dm2/engine/leapfrog.h"
+#include "leapfrog.h"
 
 #include <math.h>
 
 #include "dm2/base/simd.h"
-#include "dm2/engine/lists.h"
+#include "lists.h"
 
 double leapfrog_kick_time(const struct model *m, int64_t step)
 {

@@ -1,15 +1,15 @@
 /* Sorting near pairs by their law: count, lay out, fill. Rows keep their order within a law, so neighbours in the list are
  * neighbours in space; and laws follow each other chunk by chunk, so that elements are still in the cache when the next law
  * needs them. */
-#include "dm2/engine/links.h"
+#include "links.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "dm2/base/mem.h"
-#include "dm2/engine/lists.h"
-#include "dm2/engine/particles.h"
-#include "dm2/engine/tables.h"
+#include "lists.h"
+#include "particles.h"
+#include "tables.h"
 
 /* The law of entry k of row i where it goes into a quad, else NULL. */
 static const struct pair_law *quad_law(const struct lists *l, const struct model *m, const struct particles *p, uint32_t i,

@@ -4,7 +4,7 @@
  * A cell's elements meet the later ones of their own cell, those of the later own cells around it and those of the
  * mirrored cells around it: every pair that has an owned element is met exactly once, from its lower slot. Lists hold
  * the same pairs whatever the search; only the order in a row differs, and no sum depends on order. */
-#include "dm2/engine/lists.h"
+#include "lists.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -12,7 +12,7 @@
 
 #include "dm2/base/mem.h"
 #include "dm2/base/simd.h"
-#include "dm2/engine/flaws.h"
+#include "flaws.h"
 
 /* A link starts where lattice neighbours touch, give or take rounding of the deck's spacings. */
 static const double initial_reach = 1.02;

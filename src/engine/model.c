@@ -17,9 +17,9 @@
 
 #include "dm2/base/mem.h"
 #include "dm2/base/real.h"
-#include "dm2/engine/generate.h"
 #include "dm2/deck/shape.h"
-#include "dm2/engine/tables.h"
+#include "generate.h"
+#include "tables.h"
 
 static const double second_shell = 0.6; /* of a contact distance: sqrt(3) less a tenth, less one */
 static const double root3 = 0x1.bb67ae8584caap0, pi = 0x1.921fb54442d18p1;
@@ -531,7 +531,7 @@ enum dm2_status model_build_watched(const struct config *config, struct pulse pu
         goto no_memory;
     m->config = config;
     m->pulse = pulse;
-    m->n_kinds = config->n_materials + config->n_phases;
+    m->n_kinds = config_kinds(config);
     m->kinds = mem_zalloc(m->n_kinds, sizeof *m->kinds);
     m->laws = mem_zalloc(m->n_kinds * m->n_kinds * RELATION_COUNT, sizeof *m->laws);
     if (m->kinds == NULL || m->laws == NULL)

@@ -11,7 +11,7 @@
 #include <math.h>
 
 #include "dm2/base/simd.h"
-#include "dm2/engine/pair_pass.h"
+#include "pair_pass.h"
 
 static const double shifter = 0x1.8p52;
 

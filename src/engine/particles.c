@@ -1,7 +1,7 @@
 /* The arrays of a subdomain. One table lists them, and what of a deck's physics needs each, so that growing, freeing and
  * counting cannot forget one; needs_of is the one place that says which physics a model has. An array that no physics of
  * the deck needs is NULL: memory per element is what limits the size of a problem. */
-#include "dm2/engine/particles.h"
+#include "particles.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -13,7 +13,7 @@
  *
  * Sums over bonds are integers, so their order does not matter; mirrored elements carry their mark with them,
  * so that both owners of a bond get the same numbers. */
-#include "dm2/engine/phase.h"
+#include "phase.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -79,7 +79,7 @@ void phase_apply(const struct model *m, struct particles *p)
     }
 }
 
-/* Energy that a bond holds: as pair_interact (dm2/engine/law.h) counts it before it looks at the status anew. */
+/* Energy that a bond holds: as pair_interact (engine/law.h) counts it before it looks at the status anew. */
 static double bond_energy(const struct pair_law *law, double r, double r0, bool linked, double stretch,
                           double spring)
 {

@@ -4,7 +4,8 @@
 
 #include <math.h>
 
-#include "dm2/engine/leapfrog.h"
+#include "leapfrog.h"
+#include "particles.h"
 
 static double bin_width(const struct profile_config *c)
 {

@@ -9,14 +9,14 @@
  *
  * Rates are those at the evaluation; they are taken after the move, so that a row of the history sees
  * neither. */
-#include "dm2/engine/reaction.h"
+#include "reaction.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "dm2/base/mem.h"
 #include "dm2/base/real.h"
-#include "dm2/engine/phase.h"
+#include "phase.h"
 
 void reaction_rate(const struct reaction_table *x, struct reaction_side a, struct reaction_side b,
                    double temperature, double area, double dt, double reacted[2])

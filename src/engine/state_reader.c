@@ -2,7 +2,7 @@
  * one of the near list's entries by the lower id of the pair, a few of which are then sorted by the higher one.
  *
  * The owner of the lower id of a pair has its row or is its partner, so that every pair is found in some row here. */
-#include "dm2/engine/state_reader.h"
+#include "state_reader.h"
 
 #include <stdlib.h>
 #include <string.h>

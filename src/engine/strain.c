@@ -6,7 +6,7 @@
  *
  * With r midway between the last two positions, r(n) - du/2, the increment of a homogeneous stretch from l to l' is
  * 2 (l' - l)/(l' + l): the sum of many is the logarithmic strain, to second order in the time step. */
-#include "dm2/engine/strain.h"
+#include "strain.h"
 
 #include <math.h>
 #include <stdlib.h>

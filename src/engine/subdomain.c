@@ -17,16 +17,16 @@
 #include "dm2/base/clock.h"
 #include "dm2/base/idmap.h"
 #include "dm2/base/mem.h"
-#include "dm2/engine/cells.h"
-#include "dm2/engine/force.h"
-#include "dm2/engine/generate.h"
-#include "dm2/engine/leapfrog.h"
-#include "dm2/engine/lists.h"
-#include "dm2/engine/pair_pass.h"
-#include "dm2/engine/phase.h"
-#include "dm2/engine/reaction.h"
-#include "dm2/engine/state_reader.h"
-#include "dm2/engine/strain.h"
+#include "cells.h"
+#include "force.h"
+#include "generate.h"
+#include "leapfrog.h"
+#include "lists.h"
+#include "pair_pass.h"
+#include "phase.h"
+#include "reaction.h"
+#include "state_reader.h"
+#include "strain.h"
 
 /* A block that is kept from rebuild to rebuild: getting a large one anew costs more than filling it. */
 struct block {
@@ -253,7 +253,7 @@ static int build_send_lists(struct subdomain *sd)
         uint16_t ranks[8];
         if (!c->seen_by[c->global_of[own]])
             continue;
-        int n = cells_mirrored_by(&sd->map, c->global_of[own], ranks);
+        int n = domain_map_mirrored_by(&sd->map, c->global_of[own], ranks);
         for (int k = 0; k < n; k++) {
             for (uint32_t i = c->start[own]; i < c->start[own + 1]; i++) {
                 if (add_slot(&sd->peers[ranks[k]].send, i) != 0)
@@ -988,7 +988,7 @@ enum dm2_status subdomain_take_update(struct subdomain *sd, int src, const doubl
 static int mirror_to_all(struct subdomain *sd, int cell, const struct element *e)
 {
     uint16_t ranks[8];
-    int n = cells_mirrored_by(&sd->map, cell, ranks);
+    int n = domain_map_mirrored_by(&sd->map, cell, ranks);
     for (int k = 0; k < n; k++) {
         if (add_element(&sd->peers[ranks[k]].mirrors, e) != 0)
             return -1;

@@ -1,6 +1,6 @@
 /* Union-find (Galler and Fischer, 1964) with path halving. A root is the lowest index of its tree, whatever the order
  * of the pairs: the higher root is always hung below the lower one. On lattices trees stay flat without ranks. */
-#include "dm2/output/fragments.h"
+#include "fragments.h"
 
 #include <stdlib.h>
 

@@ -22,10 +22,10 @@
 #include "dm2/base/mem.h"
 #include "dm2/base/number.h"
 #include "dm2/base/text.h"
-#include "dm2/output/fragments.h"
-#include "dm2/output/resume.h"
-#include "dm2/output/snapshot.h"
 #include "dm2/output/state.h"
+#include "fragments.h"
+#include "resume.h"
+#include "snapshot.h"
 
 struct results {
     char *directory;

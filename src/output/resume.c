@@ -1,7 +1,7 @@
 /* The steps that must have rows follow from the deck, so the table is compared with them line by line: a row that is
  * missing, cut short, of another step or there twice is found, wherever it is. What follows the last row that is due
  * before the checkpoint was written after it, and will be written again. */
-#include "dm2/output/resume.h"
+#include "resume.h"
 
 #include <inttypes.h>
 #include <stdio.h>

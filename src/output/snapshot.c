@@ -8,7 +8,7 @@
  * followed by the values (VTKFile version 1.0 with header_type); an array of strings is an <Array>, and in
  * ascii its characters are numbers with a 0 after each string. OVITO maps the XYZ columns species, pos, id,
  * radius and velo to its own properties; others become properties of the name they have. */
-#include "dm2/output/snapshot.h"
+#include "snapshot.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -104,7 +104,7 @@ static void get_phase(const struct snapshot *s, size_t i, double out[3])
 {
     const struct config *c = s->config;
     size_t kind = s->elements[i].kind, phase = 0;
-    for (size_t k = c->n_materials; k <= kind && k < c->n_materials + c->n_phases; k++)
+    for (size_t k = c->n_materials; k <= kind && k < config_kinds(c); k++)
         phase += c->phases[k - c->n_materials].material == c->phases[kind - c->n_materials].material;
     out[0] = (double)phase;
 }
@@ -394,8 +394,8 @@ static void write_field_data(struct file_out *f, const struct snapshot *s)
         "</DataArray>\n",
         c->periodic[0], c->periodic[1]);
     struct kind_name name;
-    string_array_open(f, "materials", c->n_materials + c->n_phases);
-    for (size_t m = 0; m < c->n_materials + c->n_phases; m++)
+    string_array_open(f, "materials", config_kinds(c));
+    for (size_t m = 0; m < config_kinds(c); m++)
         write_string(f, config_kind_name(c, m, &name));
     file_puts(f, "</Array>\n");
     string_array_open(f, "bodies", c->n_bodies);
@@ -544,7 +544,7 @@ enum dm2_status snapshot_write_xyz(const char *path, const struct snapshot *s, s
     for (size_t i = 0; i < s->n_elements; i++) {
         unsigned kind = s->elements[i].kind;
         struct kind_name name;
-        if (kind < s->config->n_materials + s->config->n_phases)
+        if (kind < config_kinds(s->config))
             file_puts(&f, config_kind_name(s->config, kind, &name));
         else
             file_printf(&f, "kind%u", kind);

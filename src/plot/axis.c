@@ -4,7 +4,7 @@
  * ticks are whole multiples of it, computed as index * step so that 0 is 0. Labels have the decimals of the
  * step; very large and very small ones share a power of ten. Logarithmic: a tick per decade (or per several),
  * minor ones at 2 to 9; below a decade and a half 2 and 5 are labelled too. */
-#include "dm2/plot/axis.h"
+#include "axis.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -9,9 +9,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "dm2/plot/axis.h"
-#include "dm2/plot/colour.h"
-#include "dm2/plot/svg.h"
+#include "axis.h"
+#include "colour.h"
+#include "svg.h"
 
 static const char frame_colour[] = "#444", grid_colour[] = "#e4e4e4";
 static const double font_size = 13, title_size = 17;

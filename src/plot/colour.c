@@ -1,7 +1,7 @@
 /* Colour maps as short tables, interpolated linearly in sRGB, which at this spacing stays within a step or
  * two of the originals: viridis (S. van der Walt, N. Smith, CC0), cool-to-warm (K. Moreland, 2009), and the
  * palette of M. Okabe and K. Ito, without its black. */
-#include "dm2/plot/colour.h"
+#include "colour.h"
 
 #include <stdio.h>
 

@@ -14,9 +14,9 @@
 
 #include "dm2/base/mem.h"
 #include "dm2/base/number.h"
-#include "dm2/plot/axis.h"
-#include "dm2/plot/colour.h"
-#include "dm2/plot/svg.h"
+#include "axis.h"
+#include "colour.h"
+#include "svg.h"
 
 enum scheme { SCHEME_CATEGORY, SCHEME_SEQUENTIAL, SCHEME_DIVERGING };
 

@@ -3,7 +3,7 @@
  * Numbers are what makes these files large, so they are cut to hundredths of a pixel. Text positions do not
  * depend on font metrics that we do not have: everything is anchored, and svg_text_width only reserves room.
  */
-#include "dm2/plot/svg.h"
+#include "svg.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -15,7 +15,7 @@
 #include "dm2/base/file.h"
 #include "dm2/base/mem.h"
 #include "dm2/base/number.h"
-#include "dm2/plot/xml.h"
+#include "xml.h"
 
 struct number_type {
     const char *name;

@@ -3,7 +3,7 @@
  * Well-formedness is checked on the way: tags nest, one root, attributes are quoted and unique, `<` and a
  * stray `&` appear nowhere they must not, no control characters. The line of a message is counted when it is
  * needed. */
-#include "dm2/plot/xml.h"
+#include "xml.h"
 
 #include <ctype.h>
 #include <string.h>

@@ -8,10 +8,10 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "dm2/cluster/lobby.h"
 #include "dm2/cluster/messages.h"
 #include "dm2/cluster/server.h"
 #include "dm2/net/frame.h"
+#include "cluster/lobby.h"
 
 enum { MOST = 60000 }; /* fits into the socket's buffer */
 

@@ -4,8 +4,8 @@
 #include "../unit/check.h"
 
 #include "dm2/base/csv.h"
-#include "dm2/plot/vtp_reader.h"
 #include "dm2/output/state.h"
+#include "dm2/plot/vtp_reader.h"
 
 enum { ROWS = 31, FLYER_ROWS = 9, ELEMENTS = 1689, STEPS = 200 };
 

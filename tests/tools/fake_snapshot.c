@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "../unit/fake_state.h"
-#include "dm2/output/snapshot.h"
+#include "output/snapshot.h"
 
 static void shape(struct fake *f, size_t columns, size_t rows)
 {

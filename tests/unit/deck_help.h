@@ -4,8 +4,8 @@
 
 #include <unistd.h>
 
-#include "check.h"
 #include "dm2/deck/deck.h"
+#include "check.h"
 
 struct loaded {
     enum dm2_status status;

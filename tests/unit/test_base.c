@@ -1,10 +1,10 @@
 /* Exact sums, the id map, random hashes, growing memory. */
-#include "check.h"
 #include "dm2/base/exact.h"
 #include "dm2/base/idmap.h"
 #include "dm2/base/mem.h"
 #include "dm2/base/random.h"
 #include "dm2/base/text.h"
+#include "check.h"
 
 TEST(exact_sums_do_not_depend_on_order)
 {

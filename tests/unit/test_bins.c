@@ -4,7 +4,7 @@
 #include <math.h>
 
 #include "dm2/base/random.h"
-#include "dm2/engine/bins.h"
+#include "engine/bins.h"
 
 enum { N = 400 };
 

@@ -1,8 +1,8 @@
 /* docs/deck.md has every keyword of the schema, in the section of its block, with the values, default and
  * meaning that the schema gives; and no keyword that the schema does not have. */
+#include "deck/schema.h"
 #include "check.h"
 #include "deck_help.h"
-#include "dm2/deck/schema.h"
 
 static void value_text(const struct deck_key *key, char *out, size_t size)
 {

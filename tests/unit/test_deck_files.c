@@ -8,11 +8,11 @@
 #include <dirent.h>
 #include <unistd.h>
 
-#include "check.h"
-#include "deck_help.h"
 #include "dm2/base/mem.h"
 #include "dm2/deck/deck.h"
 #include "dm2/engine/model.h"
+#include "check.h"
+#include "deck_help.h"
 
 enum { MANY = 512 };
 

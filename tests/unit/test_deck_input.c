@@ -2,11 +2,11 @@
  * rows of 54 and 55, the scaled plates, and how near lj-lattice comes to the number that was asked for. */
 #include <limits.h>
 
-#include "check.h"
-#include "deck_help.h"
 #include "dm2/base/mem.h"
 #include "dm2/deck/deck.h"
 #include "dm2/deck/shape.h"
+#include "check.h"
+#include "deck_help.h"
 
 static enum dm2_status load_file(const char *path, const char *define, struct config *config)
 {

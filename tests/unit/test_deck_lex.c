@@ -1,6 +1,6 @@
 /* Tokens: kinds and extents, and that the lexer ends in TOKEN_END whatever it is given. */
+#include "deck/lex.h"
 #include "check.h"
-#include "dm2/deck/lex.h"
 
 struct lexed {
     struct tokens tokens;

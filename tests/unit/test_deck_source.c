@@ -1,9 +1,9 @@
 /* Reading decks from disk: what is included, what cannot be read, and limits on what comes in over a wire. */
+#include "dm2/base/words.h"
+#include "deck/findings.h"
+#include "deck/source.h"
 #include "check.h"
 #include "deck_help.h"
-#include "dm2/deck/source.h"
-#include "dm2/deck/findings.h"
-#include "dm2/base/words.h"
 #include "scratch.h"
 
 TEST(included_files_are_read_once)

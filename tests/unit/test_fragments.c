@@ -5,7 +5,7 @@
 #include "check.h"
 
 #include "dm2/base/random.h"
-#include "dm2/output/fragments.h"
+#include "output/fragments.h"
 
 enum { MOST = 400 };
 

@@ -1,8 +1,8 @@
 /* The generator: grains, powders, voids, flaws; and that what cannot be made is refused. */
 #include "engine_help.h"
 
-#include "dm2/engine/generate.h"
-#include "dm2/engine/grains.h"
+#include "engine/generate.h"
+#include "engine/grains.h"
 
 #define HEAD                                                                                                 \
     "let phi = 0.7\n"                                                                                        \

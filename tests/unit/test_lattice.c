@@ -2,7 +2,7 @@
  * lattice, the free surface of a symmetric impact, and how the energy of an undamped lattice converges. */
 #include "engine_help.h"
 
-#include "dm2/engine/tables.h"
+#include "engine/tables.h"
 
 #define METALS                                                                                                         \
     "material Ni { rho0 = 8.874; c0 = 0.4602; s = 1.437; shear = 0.855 }\n"                                            \

@@ -2,7 +2,7 @@
  * the force there, damping and conduction against their equations, and the promise that exchanging the two elements changes signs alone, to the last bit. */
 #include "check.h"
 
-#include "dm2/engine/law.h"
+#include "engine/law.h"
 
 static const double r0 = 0.04;
 

@@ -5,8 +5,8 @@
 #include <sys/socket.h>
 
 #include "dm2/base/clock.h"
-#include "dm2/cluster/lobby.h"
 #include "dm2/cluster/messages.h"
+#include "cluster/lobby.h"
 
 static const struct auth_key KEY = {{1, 2, 3}}, OTHER = {{1, 2, 4}};
 static const struct session_summary SESSION = {.deck = "a.dm2", .rank = 1, .ranks = 2, .steps = 7};

@@ -2,8 +2,8 @@
  * obliquely, a sliding block, sheets in shear and tension, stress of a strained lattice, moving and mirrored frames. */
 #include "engine_help.h"
 
-#include "dm2/engine/lists.h"
-#include "dm2/engine/tables.h"
+#include "engine/lists.h"
+#include "engine/tables.h"
 
 
 /* --- two discs ---------------------------------------------------------------------------------------------------- */

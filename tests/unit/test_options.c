@@ -4,9 +4,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "dm2/app/options.h"
 #include "dm2/cluster/hosts.h"
 #include "dm2/cluster/messages.h"
+#include "app/options.h"
 
 static bool quiet, verbose;
 static const char *output;

@@ -3,13 +3,13 @@
 #include "fake_state.h"
 #include "scratch.h"
 
-#include "dm2/plot/axis.h"
 #include "dm2/plot/chart.h"
-#include "dm2/plot/colour.h"
 #include "dm2/plot/picture.h"
-#include "dm2/plot/svg.h"
-#include "dm2/plot/xml.h"
-#include "dm2/output/snapshot.h"
+#include "output/snapshot.h"
+#include "plot/axis.h"
+#include "plot/colour.h"
+#include "plot/svg.h"
+#include "plot/xml.h"
 
 static char *well_formed(const char *name, size_t *size)
 {

@@ -1,7 +1,7 @@
 /* From the report of a run to the line that it prints: reports that are made so that one thing makes the difference. */
 #include "check.h"
 
-#include "dm2/app/prediction.h"
+#include "app/prediction.h"
 
 enum { STEPS = 100 };
 

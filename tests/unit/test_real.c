@@ -1,6 +1,6 @@
 /* The project's own elementary functions against libm's. */
-#include "check.h"
 #include "dm2/base/real.h"
+#include "check.h"
 
 TEST(exp_matches_libm)
 {

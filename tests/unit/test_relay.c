@@ -2,7 +2,7 @@
 #include "check.h"
 
 #include "dm2/base/bytes.h"
-#include "dm2/cluster/relay.h"
+#include "cluster/relay.h"
 
 enum { RANKS = 5 };
 

@@ -11,9 +11,9 @@
 
 #include "dm2/base/csv.h"
 #include "dm2/base/exact.h"
-#include "dm2/plot/vtp_reader.h"
 #include "dm2/output/results.h"
 #include "dm2/output/state.h"
+#include "dm2/plot/vtp_reader.h"
 
 static const uint8_t digest[RESULTS_DIGEST_BYTES] = {9, 8, 7};
 static const struct measure_scales scales = {.energy = 80, .momentum = 80, .length = 60, .velocity = 80,

@@ -1,10 +1,10 @@
 /* Tables taken over at a checkpoint, and the distance between copies. */
-#include "dm2/output/resume.h"
+#include "output/resume.h"
 
 #include <string.h>
 
+#include "cluster/copies.h"
 #include "check.h"
-#include "dm2/cluster/copies.h"
 
 static bool tens(const void *context, int64_t step)
 {

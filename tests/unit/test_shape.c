@@ -1,6 +1,6 @@
 /* Geometry of bodies: what a shape holds, overlaps, polygons that are none. */
-#include "check.h"
 #include "dm2/deck/shape.h"
+#include "check.h"
 
 static struct shape_config rectangle(double x0, double y0, double x1, double y1)
 {

@@ -5,8 +5,8 @@
 
 #include "dm2/base/number.h"
 #include "dm2/plot/vtp_reader.h"
-#include "dm2/plot/xml.h"
-#include "dm2/output/snapshot.h"
+#include "output/snapshot.h"
+#include "plot/xml.h"
 
 static struct snapshot snapshot_of(const struct fake *f)
 {

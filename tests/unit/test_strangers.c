@@ -14,9 +14,9 @@
 #include "dm2/base/clock.h"
 #include "dm2/base/fingerprint.h"
 #include "dm2/base/random.h"
-#include "dm2/cluster/lobby.h"
 #include "dm2/cluster/messages.h"
 #include "dm2/cluster/server.h"
+#include "cluster/lobby.h"
 
 
 static const double HANDSHAKE = 2;

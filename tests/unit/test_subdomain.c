@@ -5,9 +5,9 @@
 #include "engine_help.h"
 
 #include "dm2/base/random.h"
-#include "dm2/engine/lists.h"
-#include "dm2/engine/particles.h"
-#include "dm2/engine/tables.h"
+#include "engine/lists.h"
+#include "engine/particles.h"
+#include "engine/tables.h"
 
 /* Discs of two sizes that collide, weld, slide, yield, warm up and conduct. Units are arbitrary. */
 static const char near_deck[] =

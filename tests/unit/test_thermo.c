@@ -4,9 +4,9 @@
 #include "engine_help.h"
 
 #include "dm2/base/real.h"
-#include "dm2/engine/phase.h"
-#include "dm2/engine/reaction.h"
-#include "dm2/engine/tables.h"
+#include "engine/phase.h"
+#include "engine/reaction.h"
+#include "engine/tables.h"
 
 static const double pi = 3.14159265358979323846;
 

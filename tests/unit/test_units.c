@@ -1,6 +1,6 @@
 /* Units: values in base units to the last bit, dimensions, prefixes, what is no unit. */
+#include "deck/units.h"
 #include "check.h"
-#include "dm2/deck/units.h"
 
 static double value(const char *digits, const char *symbol)
 {

@@ -2,8 +2,8 @@
 #include "check.h"
 
 #include "dm2/cluster/messages.h"
-#include "dm2/cluster/state_merge.h"
 #include "dm2/cluster/wire.h"
+#include "cluster/state_merge.h"
 
 static const struct wire_limits limits = {.elements = 1000, .bodies = 2, .kinds = 3};
 

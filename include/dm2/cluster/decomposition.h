@@ -9,8 +9,8 @@
 #include <stdint.h>
 
 #include "dm2/base/bisect.h"
-#include "dm2/base/status.h"
 #include "dm2/base/grid.h"
+#include "dm2/base/status.h"
 
 enum { DECOMPOSITION_RANKS_MAX = BISECT_PARTS_MAX };
 

@@ -14,10 +14,10 @@
 #include "dm2/base/sha256.h"
 #include "dm2/base/status.h"
 #include "dm2/cluster/decomposition.h"
-#include "dm2/net/frame.h"
 #include "dm2/deck/deck.h"
 #include "dm2/engine/measures.h"
 #include "dm2/engine/rebuild.h"
+#include "dm2/net/frame.h"
 
 enum { PROTOCOL_VERSION = 10 };
 

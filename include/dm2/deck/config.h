@@ -209,6 +209,12 @@ struct config {
  * `interaction {}`, `interface grain|body {}`, `interaction A B {}`, `interface grain|body A B {}`. */
 struct interaction_config config_interaction(const struct config *c, int a, int b, enum relation relation);
 
+/* How many kinds of elements there are: material and phase together. */
+static inline size_t config_kinds(const struct config *c)
+{
+    return c->n_materials + c->n_phases;
+}
+
 /* Name of a kind of element: its material, and behind a slash its phase where that is not the first. */
 struct kind_name {
     char text[2 * NAME_MAX_LENGTH + 2];

@@ -1,5 +1,5 @@
 /* One element and one pair as records: how they travel, are stored and are generated. The engine itself
- * keeps arrays (dm2/engine/particles.h); these are what comes in and goes out. */
+ * keeps arrays (engine/particles.h); these are what comes in and goes out. */
 #ifndef DM2_ENGINE_ELEMENT_H
 #define DM2_ENGINE_ELEMENT_H
 

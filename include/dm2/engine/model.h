@@ -7,14 +7,14 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "dm2/base/grid.h"
 #include "dm2/base/status.h"
 #include "dm2/deck/config.h"
-#include "dm2/base/grid.h"
 #include "dm2/engine/measures.h"
 #include "dm2/engine/pulse.h"
 #include "dm2/engine/rebuild.h"
 
-struct model; /* completed in dm2/engine/tables.h for the engine; the accessors below are what other layers need */
+struct model; /* completed in engine/tables.h for the engine; the accessors below are what other layers need */
 
 /* What a deck asks for, from its areas alone: to be looked at before anything is made of it. */
 struct model_estimate {

@@ -8,8 +8,11 @@
 
 #include "dm2/base/exact.h"
 #include "dm2/base/status.h"
+#include "dm2/deck/config.h"
 #include "dm2/engine/measures.h"
-#include "dm2/engine/particles.h"
+
+struct model;
+struct particles;
 
 /* What is summed over the elements whose centres lie in a bin. */
 struct profile_bin {

@@ -26,21 +26,14 @@
 #include <stdint.h>
 
 #include "dm2/base/status.h"
+#include "dm2/engine/domain_map.h"
 #include "dm2/engine/element.h"
-#include "dm2/base/grid.h"
 #include "dm2/engine/measures.h"
 #include "dm2/engine/model.h"
 #include "dm2/engine/profile.h"
 #include "dm2/engine/rebuild.h"
 
 struct subdomain;
-
-/* Who owns which cell. owner[cell] is a rank; borrowed for the life of the subdomain. */
-struct domain_map {
-    const struct grid *grid;
-    int ranks;
-    const uint16_t *owner;
-};
 
 /* Generates the elements of `rank` and those it mirrors, links them and builds the lists. The state is that
  * of step 0. DM2_DECK where the deck's bodies overlap or hold no element. The model and the map are borrowed. */

@@ -2,11 +2,11 @@
  *
  *   history.csv            one row per measured step, units in the header line
  *   profile-NAME.csv       one row per bin and measured step of each profile of the deck (dm2/engine/profile.h)
- *   fragments.csv          one row per snapshot: how many fragments there are (dm2/output/fragments.h)
+ *   fragments.csv          one row per snapshot: how many fragments there are (output/fragments.h)
  *   final.dm2              the state after the last step (dm2/output/state.h)
  *   checkpoint.dm2         the newest checkpoint (dm2/output/state.h); checkpoint.prev.dm2 is the one before it
  *   snapshots/state-*.vtp  states at the steps that the deck names, with series.pvd (ParaView),
- *   snapshots/state-*.xyz  and/or extended XYZ (OVITO) (dm2/output/snapshot.h)
+ *   snapshots/state-*.xyz  and/or extended XYZ (OVITO) (output/snapshot.h)
  *   run.log, timing.csv    texts that the program writes with results_text
  *
  * Every file is written under a temporary name (its own with ".part" at the end), brought to disk and

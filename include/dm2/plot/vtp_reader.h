@@ -1,4 +1,4 @@
-/* Reads snapshots back: VTK PolyData as this project writes it (dm2/output/snapshot.h), into arrays of doubles.
+/* Reads snapshots back: VTK PolyData as this project writes it (output/snapshot.h), into arrays of doubles.
  */
 #ifndef DM2_PLOT_VTP_READER_H
 #define DM2_PLOT_VTP_READER_H

@@ -6,8 +6,8 @@
 
 #include "dm2/base/exact.h"
 #include "dm2/base/status.h"
-#include "dm2/engine/lists.h"
-#include "dm2/engine/particles.h"
+#include "lists.h"
+#include "particles.h"
 
 /* What a measuring evaluation adds up over pairs; a pair counts where its lower id is owned. */
 struct pair_totals {
@@ -17,7 +17,7 @@ struct pair_totals {
 
 /* Evaluates every pair at the present positions and the velocities of the half step before: fills far_sum and pair_sum
  * of p, updates the memory of the near pairs; with totals (else NULL) also virial, links and contacts of each element.
- * dt_kick and dt_path as in dm2/engine/law.h. DM2_NUMERIC: a force or a heat is not finite or beyond the range of the
+ * dt_kick and dt_path as in engine/law.h. DM2_NUMERIC: a force or a heat is not finite or beyond the range of the
  * fixed-point sums; names the pair and `step`. */
 /* The same in two halves, for a server: force_ahead evaluates what no mirrored element takes part in as soon as the owned
  * elements have moved, while their neighbours' new positions are still on the way. Then comes force_rest, or, where the lists

@@ -9,9 +9,9 @@
 #define DM2_ENGINE_PHASE_H
 
 #include "dm2/base/status.h"
-#include "dm2/engine/lists.h"
-#include "dm2/engine/particles.h"
-#include "dm2/engine/tables.h"
+#include "lists.h"
+#include "particles.h"
+#include "tables.h"
 
 /* The kind that an element of `kind` changes to at pressure p (Mbar) and temperature t (K): the first phase,
  * in deck order, that forms from it and whose line it is above; else, where it is reversible, the one it

@@ -11,8 +11,8 @@
 #include <stdint.h>
 
 #include "dm2/base/status.h"
-#include "dm2/engine/lists.h"
-#include "dm2/engine/particles.h"
+#include "lists.h"
+#include "particles.h"
 
 enum { STRAIN_SUMS = 7 };
 

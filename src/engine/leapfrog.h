@@ -7,7 +7,7 @@
 
 #include "dm2/base/status.h"
 #include "dm2/engine/measures.h"
-#include "dm2/engine/particles.h"
+#include "particles.h"
 
 /* dt_kick of step n: v(n-1/2) becomes v(n+1/2); the start has v(0), so step 0 kicks for half a step. */
 double leapfrog_kick_time(const struct model *m, int64_t step);

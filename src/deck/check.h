@@ -2,7 +2,7 @@
 #ifndef DM2_DECK_CHECK_H
 #define DM2_DECK_CHECK_H
 
-#include "dm2/deck/bind.h"
+#include "bind.h"
 
 /* Elements are numbered with 32 bits; an estimate above this is refused. */
 #define DECK_MAX_ELEMENTS 4e9

@@ -6,8 +6,6 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include "dm2/app/options.h"
-#include "dm2/app/progress.h"
 #include "dm2/base/sha256.h"
 #include "dm2/base/status.h"
 #include "dm2/cluster/decomposition.h"
@@ -16,6 +14,8 @@
 #include "dm2/engine/model.h"
 #include "dm2/output/results.h"
 #include "dm2/output/state.h"
+#include "options.h"
+#include "progress.h"
 
 struct run_options {
     const char *program;

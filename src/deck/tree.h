@@ -7,8 +7,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "dm2/deck/findings.h"
-#include "dm2/deck/units.h"
+#include "findings.h"
+#include "units.h"
 
 enum { DECK_MAX_LETS = 10000, DECK_MAX_DEPTH = 200 };
 

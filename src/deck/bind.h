@@ -5,9 +5,9 @@
 
 #include "dm2/base/number.h"
 #include "dm2/deck/config.h"
-#include "dm2/deck/schema.h"
-#include "dm2/deck/tree.h"
-#include "dm2/deck/interaction_rule.h"
+#include "interaction_rule.h"
+#include "schema.h"
+#include "tree.h"
 
 enum { MATERIAL_MAX = 256, BODY_MAX = 65535, RULE_MAX = 1000, VOID_MAX = 10000, FLAW_MAX = 10000 };
 enum { PHASE_MAX = 256, REACTION_MAX = 1 };

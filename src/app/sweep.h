@@ -4,9 +4,9 @@
 
 #include <stdint.h>
 
-#include "dm2/app/server_choice.h"
 #include "dm2/base/status.h"
 #include "dm2/cluster/report.h"
+#include "server_choice.h"
 
 enum { SWEEP_OPTIONS = 5, SWEEP_SIZES = 32, SWEEP_PATH = 1024 };
 

@@ -5,9 +5,9 @@
 #define DM2_ENGINE_REACTION_H
 
 #include "dm2/base/status.h"
-#include "dm2/engine/lists.h"
-#include "dm2/engine/particles.h"
-#include "dm2/engine/tables.h"
+#include "lists.h"
+#include "particles.h"
+#include "tables.h"
 
 enum { REACTION_A, REACTION_B, REACTION_HEAT, REACTION_SUMS };
 

@@ -5,11 +5,11 @@
 
 #include <stdbool.h>
 
-#include "dm2/app/network.h"
-#include "dm2/app/options.h"
 #include "dm2/base/status.h"
 #include "dm2/cluster/auth.h"
 #include "dm2/cluster/hosts.h"
+#include "network.h"
+#include "options.h"
 
 enum { SERVER_CHOICE_OPTIONS = 4, SERVER_CHOICE_COUNTS = 32, SERVER_CHOICE_MOST = 1024 };
 

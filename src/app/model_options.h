@@ -5,9 +5,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "dm2/app/options.h"
 #include "dm2/base/status.h"
 #include "dm2/performance/predict.h"
+#include "options.h"
 
 enum { MODEL_OPTIONS = 24, MODEL_CONSTANTS = 6 };
 

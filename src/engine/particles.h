@@ -9,7 +9,7 @@
 
 #include "dm2/base/real.h"
 #include "dm2/engine/element.h"
-#include "dm2/engine/tables.h"
+#include "tables.h"
 
 /* Slots of the pair sums of one element: one cache line. */
 enum pair_sum {

@@ -6,8 +6,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "dm2/deck/units.h"
 #include "dm2/base/words.h"
+#include "units.h"
 
 enum block_kind {
     BLOCK_DOMAIN,

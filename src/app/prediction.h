@@ -4,11 +4,11 @@
 
 #include <stdbool.h>
 
-#include "dm2/app/network.h"
 #include "dm2/base/status.h"
 #include "dm2/cluster/report.h"
 #include "dm2/performance/calibration.h"
 #include "dm2/performance/explain.h"
+#include "network.h"
 
 enum { PREDICTION_TEXT = 1024 };
 

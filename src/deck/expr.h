@@ -2,9 +2,9 @@
 #ifndef DM2_DECK_EXPR_H
 #define DM2_DECK_EXPR_H
 
-#include "dm2/deck/lex.h"
-#include "dm2/deck/tree.h"
 #include "dm2/base/words.h"
+#include "lex.h"
+#include "tree.h"
 
 /* Where the parser stands in the tokens of one text. */
 struct deck_parser {

@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "dm2/deck/findings.h"
+#include "findings.h"
 
 /* Punctuation is its own character: { } ( ) = , ; + - * / ^ */
 enum token_kind {

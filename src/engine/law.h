@@ -1,5 +1,5 @@
 /* The pair law: what two elements do to each other. One documented function per part, apart from how pairs are
- * found and summed (dm2/engine/force.h).
+ * found and summed (engine/force.h).
  *
  * Signs: n points from the partner j to i, t = (-n_y, n_x); a normal force f > 0 pushes apart; forces are those on
  * i, and j gets the opposite. Everything here is antisymmetric bit for bit: with i and j exchanged, n, t and the

@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "dm2/engine/force.h"
+#include "force.h"
 
 /* Largest magnitude that near effects and energies may have in fixed point: 64 pairs may meet in one element. */
 #define FIXED_RANGE 0x1p57

@@ -10,8 +10,8 @@
 #include <stdint.h>
 
 #include "dm2/base/status.h"
-#include "dm2/engine/particles.h"
-#include "dm2/engine/subdomain.h"
+#include "dm2/engine/domain_map.h"
+#include "particles.h"
 
 struct cells {
     int n_inside, n_own, n_mirrored;
@@ -34,8 +34,5 @@ size_t cells_bytes(const struct cells *cells, const struct domain_map *map);
 /* Sorts the mirrored elements, slots [n_own, n), into mirrored cells; cell_of[k] is the global cell of slot
  * n_own + k, all mirrored here. 0, or -1 without memory. */
 int cells_assign_mirrored(struct cells *cells, const struct particles *p, const int32_t *cell_of);
-
-/* The ranks other than the owner that mirror a global cell: writes up to 8 to out, returns how many. */
-int cells_mirrored_by(const struct domain_map *map, int cell, uint16_t out[8]);
 
 #endif

@@ -6,10 +6,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "dm2/deck/config.h"
 #include "dm2/base/grid.h"
-#include "dm2/engine/law.h"
+#include "dm2/deck/config.h"
 #include "dm2/engine/model.h"
+#include "law.h"
 
 /* A kind of element: a material in one of its phases. Kind i is material i in its first phase for i < n_materials; the
  * phases of the deck follow. */
@@ -33,7 +33,7 @@ struct fixed_scales {
     int energy_left; /* measure_scales.energy = log2(energy) + energy_left */
 };
 
-/* The deck's reaction in numbers (dm2/engine/reaction.h). */
+/* The deck's reaction in numbers (engine/reaction.h). */
 struct reaction_table {
     bool any;
     int reactant[2], product; /* materials */

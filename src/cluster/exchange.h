@@ -1,5 +1,5 @@
 /* What a server sends others and takes from them in one exchange, as segments for destinations
- * (dm2/cluster/relay.h). How the segments travel is not known here. */
+ * (cluster/relay.h). How the segments travel is not known here. */
 #ifndef DM2_CLUSTER_EXCHANGE_H
 #define DM2_CLUSTER_EXCHANGE_H
 

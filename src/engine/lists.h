@@ -11,11 +11,11 @@
 #include <stdint.h>
 
 #include "dm2/base/status.h"
-#include "dm2/engine/bins.h"
-#include "dm2/engine/cells.h"
-#include "dm2/engine/inner.h"
-#include "dm2/engine/links.h"
-#include "dm2/engine/particles.h"
+#include "bins.h"
+#include "cells.h"
+#include "inner.h"
+#include "links.h"
+#include "particles.h"
 
 /* One half list: row i is entries start[i] .. start[i+1]-1. */
 struct half_list {

@@ -8,8 +8,8 @@
 
 #include "dm2/base/status.h"
 #include "dm2/engine/element.h"
-#include "dm2/engine/lists.h"
-#include "dm2/engine/particles.h"
+#include "lists.h"
+#include "particles.h"
 
 /* An entry of the near list and the slot of its row. */
 struct reader_pair {
