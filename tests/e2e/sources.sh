@@ -1,6 +1,6 @@
 # What the sources must not contain, whatever they compute: functions that overflow their buffers or run a shell;
 # in what makes results, functions whose last bits differ between C libraries; anything but portable C11. And that
-# each file opens with a comment on its idea, nothing lies at the top level that does not belong there, and each public header
+# each file opens with a comment on its idea, nothing lies at the top level that does not belong there, and each header
 # compiles alone.
 # labels: check
 . "$DM2_SRC/tests/lib.sh"
@@ -116,9 +116,12 @@ cc=${CC:-cc}
 command -v "$cc" >/dev/null || cc=cc
 command -v "$cc" >/dev/null || skip "there is no compiler to try the headers with"
 mkdir alone
-(cd "$DM2_SRC/include" && find dm2 -name '*.h') | LC_ALL=C sort | while IFS= read -r header; do
+{
+    (cd "$DM2_SRC/include" && find dm2 -name '*.h')
+    (cd "$DM2_SRC/src" && find . -name '*.h' | sed -e 's,^\./,,')
+} | LC_ALL=C sort | while IFS= read -r header; do
     printf '#include "%s"\n#include "%s"\nint main(void) { return 0; }\n' "$header" "$header" \
         >"alone/$(printf '%s' "$header" | tr '/' '_').c"
 done
-"$cc" -std=c11 -D_POSIX_C_SOURCE=200809L -I"$DM2_SRC/include" -Wall -Wextra -Wpedantic -Wstrict-prototypes \
+"$cc" -std=c11 -D_POSIX_C_SOURCE=200809L -I"$DM2_SRC/include" -I"$DM2_SRC/src" -Wall -Wextra -Wpedantic -Wstrict-prototypes \
     -Wno-unused-function -Werror -fsyntax-only alone/*.c || fail "a header does not compile alone"
