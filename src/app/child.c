@@ -1,7 +1,7 @@
 /* Programs of dm2 that start each other.
  *
- * A child holds the writing end of a pipe that it never writes to: its end of file says that the child is gone, which
- * can be waited for together with the request to end. */
+ * A child holds the writing end of a pipe that it never writes to: its end of file says that the child is
+ * gone, which can be waited for together with the request to end. */
 #include "child.h"
 
 #include <errno.h>
@@ -46,7 +46,8 @@ static bool wait_for_end(pid_t pid, int alive, int cancel)
 {
     bool asked = false;
     for (;;) {
-        struct pollfd polls[2] = {{.fd = alive, .events = POLLIN}, {.fd = asked ? -1 : cancel, .events = POLLIN}};
+        struct pollfd polls[2] = {{.fd = alive, .events = POLLIN},
+                                  {.fd = asked ? -1 : cancel, .events = POLLIN}};
         if (poll(polls, 2, -1) < 0 && errno != EINTR)
             return asked;
         if (polls[0].revents != 0)
@@ -104,7 +105,8 @@ static enum dm2_status finish(const struct child *c, const char *path, int cance
     if (WIFEXITED(code) && WEXITSTATUS(code) == 0)
         return DM2_OK;
     if (WIFEXITED(code) && WEXITSTATUS(code) == 127)
-        return dm2_fail(err, DM2_IO, "the program '%s' did not start: is it installed beside dm2-model or on PATH?", path);
+        return dm2_fail(err, DM2_IO,
+                        "the program '%s' did not start: is it installed beside dm2-model or on PATH?", path);
     return dm2_fail(err, why_of(code), "%s failed, see above", path);
 }
 

@@ -53,7 +53,8 @@ static enum dm2_status check_status(const struct client_command *c, struct dm2_e
     if (c->run.help || c->run.version)
         return DM2_OK;
     if (c->hosts == NULL && c->servers.n == 0)
-        return dm2_fail(err, DM2_USAGE, "--status of which servers? --hosts FILE or --server HOST[:PORT] name them");
+        return dm2_fail(err, DM2_USAGE,
+                        "--status of which servers? --hosts FILE or --server HOST[:PORT] name them");
     if (c->run.operands.n > 0)
         return dm2_fail(err, DM2_USAGE, "'%s' is too much: --status runs no deck", c->run.operands.items[0]);
     return DM2_OK;
@@ -62,7 +63,8 @@ static enum dm2_status check_status(const struct client_command *c, struct dm2_e
 static enum dm2_status parse(struct client_command *c, int argc, char **argv, struct dm2_error *err)
 {
     enum { OWN = 12 };
-    *c = (struct client_command){.timeout = 60, .reconnect = 5, .copy_every = -1, .argv0 = argv[0], .cancel = -1};
+    *c = (struct client_command){
+        .timeout = 60, .reconnect = 5, .copy_every = -1, .argv0 = argv[0], .cancel = -1};
     struct option table[OWN + RUN_OPTIONS] = {
         {"local", 'n', OPTION_INTEGER, &c->local, "N", "starts N servers on this machine for this run", 1,
          LOCAL_MOST},
@@ -85,7 +87,8 @@ static enum dm2_status parse(struct client_command *c, int argc, char **argv, st
         {"reconnect", 0, OPTION_SECONDS, &c->reconnect, "S",
          "waits S seconds for a lost server to come back (default 5)", 0, 0},
         {"copy-every", 0, OPTION_INTEGER, &c->copy_every, "K",
-         "takes a copy of the state every K steps, to go back to (default: by its cost; 0: none)", 0, INT64_MAX},
+         "takes a copy of the state every K steps, to go back to (default: by its cost; 0: none)", 0,
+         INT64_MAX},
     };
     run_options_start(&c->run, PROGRAM, argc, argv, table + OWN);
     enum dm2_status status = options_parse(table, OWN + RUN_OPTIONS, argc, argv, &c->run.operands, err);
@@ -104,8 +107,9 @@ static enum dm2_status parse(struct client_command *c, int argc, char **argv, st
         status =
             dm2_fail(err, DM2_USAGE, "-n starts servers itself: it does not go with --hosts or --server");
     if (status == DM2_OK && c->key_file != NULL && c->hosts == NULL && c->servers.n == 0)
-        status = dm2_fail(err, DM2_USAGE, "--key is for servers of --hosts or --server: those that this program starts "
-                                          "itself need none");
+        status = dm2_fail(err, DM2_USAGE,
+                          "--key is for servers of --hosts or --server: those that this program starts "
+                          "itself need none");
     if (status == DM2_OK && c->balance != NULL && strcmp(c->balance, "space") != 0 &&
         strcmp(c->balance, "particles") != 0)
         status = dm2_fail(err, DM2_USAGE, "--balance '%s': space or particles is expected", c->balance);
@@ -124,7 +128,8 @@ static enum dm2_status named_servers(const struct client_command *c, struct endp
 
 static bool by_particles(const struct client_command *c, const struct run *run)
 {
-    return c->balance != NULL ? strcmp(c->balance, "particles") == 0 : run->config.balance == BALANCE_PARTICLES;
+    return c->balance != NULL ? strcmp(c->balance, "particles") == 0
+                              : run->config.balance == BALANCE_PARTICLES;
 }
 
 static enum dm2_status decompose(const struct client_command *c, const struct run *run, int ranks,
@@ -202,9 +207,9 @@ static enum dm2_status start_anew(void *context, int ranks, struct endpoint *ser
 
 /* The run itself, with servers that are up. */
 static enum dm2_status run_on(const struct client_command *c, const struct run *run,
-                              const struct decomposition *d, const struct endpoints *servers, struct nursery *nursery,
-                              struct results *results, struct network_probe *probe, struct run_report *report,
-                              struct dm2_error *err)
+                              const struct decomposition *d, const struct endpoints *servers,
+                              struct nursery *nursery, struct results *results, struct network_probe *probe,
+                              struct run_report *report, struct dm2_error *err)
 {
     struct display display = {.quiet = c->run.quiet};
     const struct client_options options = {
@@ -240,8 +245,9 @@ static enum dm2_status run_on(const struct client_command *c, const struct run *
 }
 
 /* What the model says about the run that has ended; empty where no step was timed. */
-static enum dm2_status predict_run(const struct client_command *c, const struct network_probe *probe, bool local,
-                                   struct run_report *report, char text[PREDICTION_TEXT], struct dm2_error *err)
+static enum dm2_status predict_run(const struct client_command *c, const struct network_probe *probe,
+                                   bool local, struct run_report *report, char text[PREDICTION_TEXT],
+                                   struct dm2_error *err)
 {
     int cores = local ? local_servers_cores() : 0;
     struct prediction_basis basis;
@@ -357,8 +363,9 @@ static enum dm2_status tell_status(struct client_command *c, struct dm2_error *e
     if (status == DM2_OK && c->key_file != NULL)
         status = auth_key_read(c->key_file, &c->key, err);
     if (status == DM2_OK)
-        status = server_status_print(stdout, &servers, c->key_file != NULL ? &c->key : NULL,
-                                     c->timeout < STATUS_SECONDS ? c->timeout : STATUS_SECONDS, c->cancel, err);
+        status =
+            server_status_print(stdout, &servers, c->key_file != NULL ? &c->key : NULL,
+                                c->timeout < STATUS_SECONDS ? c->timeout : STATUS_SECONDS, c->cancel, err);
     endpoints_free(&servers);
     return status;
 }
@@ -371,7 +378,8 @@ static enum dm2_status work(struct client_command *c, struct dm2_error *err)
     enum dm2_status status = named_servers(c, &servers, err);
     size_t active = endpoints_sort(&servers);
     if (status == DM2_OK && servers.n > 0 && active == 0)
-        status = dm2_fail(err, DM2_USAGE, "%s: all servers are spares: one at least is needed without the word", c->hosts);
+        status = dm2_fail(err, DM2_USAGE,
+                          "%s: all servers are spares: one at least is needed without the word", c->hosts);
     if (status == DM2_OK && c->key_file != NULL)
         status = auth_key_read(c->key_file, &c->key, err);
     if (status == DM2_OK && !c->run.check)

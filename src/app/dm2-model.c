@@ -18,7 +18,8 @@ static const struct command COMMANDS[] = {
     {"what-if", "other processors and networks; from which size servers pay, and how many",
      model_what_if_command},
     {"netbench", "what messages cost between a client and N servers", model_netbench_command},
-    {"calibrate", "measures this cluster's constants and writes the calibration file", model_calibrate_command},
+    {"calibrate", "measures this cluster's constants and writes the calibration file",
+     model_calibrate_command},
     {"compare", "measured beside predicted: a sweep of runs, or finished ones", model_compare_command},
 };
 

@@ -131,7 +131,8 @@ static enum dm2_status snapshot_command(int argc, char **argv, struct dm2_error 
     return status;
 }
 
-/* A heading as a label: in its unit a u for micro becomes a \u00b5, digits become superscripts. Returns `out`. */
+/* A heading as a label: in its unit a u for micro becomes a \u00b5, digits become superscripts. Returns
+ * `out`. */
 static const char *typeset(const char *heading, char *out, size_t size)
 {
     size_t n = 0;
@@ -217,8 +218,9 @@ static bool is_listed(const char *list, double value)
 }
 
 /* Cuts the table where the column of --by changes. */
-static enum dm2_status find_groups(const struct csv *csv, const struct arguments *a, struct group groups[SERIES_MAX],
-                                   size_t *n, const char **heading, struct dm2_error *err)
+static enum dm2_status find_groups(const struct csv *csv, const struct arguments *a,
+                                   struct group groups[SERIES_MAX], size_t *n, const char **heading,
+                                   struct dm2_error *err)
 {
     size_t column;
     double *values;
@@ -235,14 +237,15 @@ static enum dm2_status find_groups(const struct csv *csv, const struct arguments
         if (!is_listed(a->only, values[row]))
             continue;
         if (*n == SERIES_MAX)
-            status = dm2_fail(err, DM2_USAGE, "'%s' has more than %d values; choose some with --only", *heading,
-                              SERIES_MAX);
+            status = dm2_fail(err, DM2_USAGE, "'%s' has more than %d values; choose some with --only",
+                              *heading, SERIES_MAX);
         else
             groups[(*n)++] = (struct group){row, next - row, values[row]};
     }
     free(values);
     if (status == DM2_OK && *n == 0)
-        return dm2_fail(err, DM2_USAGE, "'%s' has none of the values %s", *heading, a->only == NULL ? "" : a->only);
+        return dm2_fail(err, DM2_USAGE, "'%s' has none of the values %s", *heading,
+                        a->only == NULL ? "" : a->only);
     return status;
 }
 
@@ -259,8 +262,8 @@ static void name_group(const char *heading, double value, char *out, size_t size
 
 /* The curves of one column, one for each value of --by, dark to light. */
 static enum dm2_status split_curve(const struct csv *csv, const struct arguments *a, const struct columns *c,
-                                   struct chart_series series[SERIES_MAX], char names[SERIES_MAX][64], size_t *n,
-                                   struct dm2_error *err)
+                                   struct chart_series series[SERIES_MAX], char names[SERIES_MAX][64],
+                                   size_t *n, struct dm2_error *err)
 {
     struct group groups[SERIES_MAX];
     const char *heading = "";
@@ -316,7 +319,8 @@ static enum dm2_status draw_chart(const struct csv *csv, const struct arguments 
     if (status == DM2_OK) {
         const struct chart chart = {
             .title = a->title,
-            .x_label = a->x_label != NULL ? a->x_label : typeset(csv_heading(csv, x_column), across, sizeof across),
+            .x_label =
+                a->x_label != NULL ? a->x_label : typeset(csv_heading(csv, x_column), across, sizeof across),
             .y_label = a->y_label != NULL ? a->y_label
                        : c.n == 1         ? typeset(c.heading[0], upward, sizeof upward)
                        : unit != NULL     ? typeset(unit, upward, sizeof upward)
@@ -341,7 +345,8 @@ static enum dm2_status chart_command(int argc, char **argv, struct dm2_error *er
         {"output", 'o', OPTION_TEXT, &a.out, "OUT.svg", "where to write; default FILE.svg here", 0, 0},
         {"x", 'x', OPTION_TEXT, &a.x, "COLUMN", "the column across; required", 0, 0},
         {"y", 'y', OPTION_TEXT, &a.y, "COLUMN,...", "the columns to draw; required", 0, 0},
-        {"by", 'b', OPTION_TEXT, &a.by, "COLUMN", "a curve for each value of this column, as in profiles", 0, 0},
+        {"by", 'b', OPTION_TEXT, &a.by, "COLUMN", "a curve for each value of this column, as in profiles", 0,
+         0},
         {"only", 0, OPTION_TEXT, &a.only, "VALUE,...", "of these values alone", 0, 0},
         {"dashed", 0, OPTION_TEXT, &a.dashed, "COLUMN,...",
          "further columns, drawn dashed in the colours of --y: models beside measurements", 0, 0},

@@ -1,5 +1,5 @@
-/* dm2-seq: the sequential algorithm (paper, Fig. 5): the engine on one subdomain that owns every cell, without a
- * socket. Its time per step is T_seq of the performance model. */
+/* dm2-seq: the sequential algorithm (paper, Fig. 5): the engine on one subdomain that owns every cell,
+ * without a socket. Its time per step is T_seq of the performance model. */
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -28,7 +28,7 @@ struct sequence {
     struct subdomain *sd;
     struct rebuild_plan plan;
     struct parcel parcel;
-    int64_t every; /* steps between checkpoints; 0: none */
+    int64_t every;            /* steps between checkpoints; 0: none */
     struct profile_bin *bins; /* room for a profile */
     struct run_report report;
     struct server_report server;
@@ -61,7 +61,8 @@ static enum dm2_status write_snapshot(struct sequence *s, struct dm2_error *err)
     if (status == DM2_OK)
         status = subdomain_collect_pairs(s->sd, &pairs, &n_pairs, err);
     if (status == DM2_OK)
-        status = results_snapshot(s->results, subdomain_step(s->sd), elements, measured, n, pairs, n_pairs, err);
+        status =
+            results_snapshot(s->results, subdomain_step(s->sd), elements, measured, n, pairs, n_pairs, err);
     free(pairs);
     free(measured);
     free(elements);
@@ -71,8 +72,10 @@ static enum dm2_status write_snapshot(struct sequence *s, struct dm2_error *err)
 static enum dm2_status write_state(struct sequence *s, enum purpose purpose, struct dm2_error *err)
 {
     double started = clock_now();
-    enum dm2_status status = purpose == SNAPSHOT ? write_snapshot(s, err)
-                             : subdomain_write(s->sd, purpose == FINAL ? write_final : write_checkpoint, s->results, err);
+    enum dm2_status status =
+        purpose == SNAPSHOT
+            ? write_snapshot(s, err)
+            : subdomain_write(s->sd, purpose == FINAL ? write_final : write_checkpoint, s->results, err);
     s->report.output += clock_now() - started;
     return status;
 }
@@ -91,7 +94,8 @@ static enum dm2_status write_profiles(struct sequence *s, struct dm2_error *err)
         free(s->bins);
         s->bins = mem_zalloc(1, bytes);
         if (s->bins == NULL)
-            return dm2_fail(err, DM2_MEMORY, "no memory for a profile of %lld bins", (long long)c->profiles[k].bins);
+            return dm2_fail(err, DM2_MEMORY, "no memory for a profile of %lld bins",
+                            (long long)c->profiles[k].bins);
         status = subdomain_profile(s->sd, k, s->bins, err);
         if (status == DM2_OK)
             status = results_profile(s->results, k, step, s->bins, err);
@@ -188,10 +192,12 @@ static enum dm2_status run_steps(struct sequence *s, int cancel, struct dm2_erro
             status = print_hash(s, err);
         bool asked = cancel >= 0 && poll(&signal, 1, 0) > 0;
         int64_t n = subdomain_step(s->sd);
-        if (status == DM2_OK && ((asked && n < steps) || results_checkpoint_due(&s->run->config, s->every, n)))
+        if (status == DM2_OK &&
+            ((asked && n < steps) || results_checkpoint_due(&s->run->config, s->every, n)))
             status = write_state(s, CHECKPOINT, err);
         if (status == DM2_OK && asked && n < steps)
-            status = dm2_fail(err, DM2_INTERRUPTED, "the run was interrupted by a signal at step %lld", (long long)n);
+            status = dm2_fail(err, DM2_INTERRUPTED, "the run was interrupted by a signal at step %lld",
+                              (long long)n);
         if (status == DM2_OK)
             progress_step(&progress, subdomain_step(s->sd), NULL);
     }
@@ -205,8 +211,10 @@ static void fill_report(struct sequence *s, double started)
     struct subdomain_times t;
     subdomain_take_times(s->sd, &t);
     const struct grid *g = model_grid(s->run->model);
-    s->server = (struct server_report){.name = "here", .cells = (size_t)g->cx * (size_t)g->cy,
-                                       .owned = subdomain_owned(s->sd), .bytes = subdomain_bytes(s->sd)};
+    s->server = (struct server_report){.name = "here",
+                                       .cells = (size_t)g->cx * (size_t)g->cy,
+                                       .owned = subdomain_owned(s->sd),
+                                       .bytes = subdomain_bytes(s->sd)};
     s->server.times.forces = t.forces;
     s->server.times.integrate = t.integrate;
     s->server.times.rebuild = t.rebuild;
@@ -233,15 +241,16 @@ static void print_summary(const struct sequence *s, const char *directory)
     (void)printf("results in %s\n", directory);
 }
 
-static enum dm2_status run_all(struct sequence *s, const struct decomposition *d, int cancel, struct dm2_error *err)
+static enum dm2_status run_all(struct sequence *s, const struct decomposition *d, int cancel,
+                               struct dm2_error *err)
 {
     const struct domain_map map = {.grid = &d->grid, .ranks = 1, .owner = d->owner};
     double started = clock_now();
     enum dm2_status status = run_open_results(s->options, s->run, &s->results, err);
     const struct state *from = &s->run->state;
     if (status == DM2_OK && s->run->restarted)
-        status = subdomain_restore(s->run->model, &map, 0, from->step, from->elements, from->n_elements, from->pairs,
-                                   from->n_pairs, &s->sd, err);
+        status = subdomain_restore(s->run->model, &map, 0, from->step, from->elements, from->n_elements,
+                                   from->pairs, from->n_pairs, &s->sd, err);
     else if (status == DM2_OK)
         status = subdomain_create(s->run->model, &map, 0, &s->sd, err);
     s->every = run_checkpoint_every(s->options, s->run);

@@ -100,10 +100,11 @@ static enum dm2_status check_address(const struct server_command *c, struct dm2_
     enum dm2_status status = socket_is_loopback(c->listen, &loopback, err);
     if (status != DM2_OK || loopback || c->key_file != NULL)
         return status;
-    return dm2_fail(err, DM2_USAGE,
-                    "--listen %s: a server that can be reached from other machines needs a key: dm2-server --new-key "
-                    "FILE makes one, --key FILE uses it, here and with dm2-client",
-                    c->listen);
+    return dm2_fail(
+        err, DM2_USAGE,
+        "--listen %s: a server that can be reached from other machines needs a key: dm2-server --new-key "
+        "FILE makes one, --key FILE uses it, here and with dm2-client",
+        c->listen);
 }
 
 static enum dm2_status read_secrets(struct server_command *c, struct dm2_error *err)
@@ -114,8 +115,8 @@ static enum dm2_status read_secrets(struct server_command *c, struct dm2_error *
     return status;
 }
 
-/* What a server has in memory, decks and keys, is not left in a file where it crashed. Linux hands a core to the program of
- * kernel.core_pattern whatever the limit is, but none of a process that is not dumpable. */
+/* What a server has in memory, decks and keys, is not left in a file where it crashed. Linux hands a core to
+ * the program of kernel.core_pattern whatever the limit is, but none of a process that is not dumpable. */
 static void leave_no_core(void)
 {
     const struct rlimit none = {0, 0};

@@ -1,11 +1,13 @@
-/* dm2-model calibrate: k from runs of one and of all processors, m_N and b_N from round trips, into the calibration file.
+/* dm2-model calibrate: k from runs of one and of all processors, m_N and b_N from round trips, into the
+ * calibration file.
  *
- * k = T c/n^2 (eq. 11) of each run; T is the processor's time per step, which is the time that passes where a machine has
- * nothing else to do, and does not count what other programs take where it has. k is not one number: more elements fit
- * worse into caches, and processors of one machine share those and the memory; hence every size, alone and as the share of
- * each of as many servers as there are processors. A server's k is more than that of dm2-seq beside its like: it evaluates
- * the pairs across its boundary, too, keeps what it may have to undo, and finds its caches as its client left them. The
- * cells' edges of the file are those of square cells that give the largest run its number of cells. */
+ * k = T c/n^2 (eq. 11) of each run; T is the processor's time per step, which is the time that passes where a
+ * machine has nothing else to do, and does not count what other programs take where it has. k is not one
+ * number: more elements fit worse into caches, and processors of one machine share those and the memory;
+ * hence every size, alone and as the share of each of as many servers as there are processors. A server's k
+ * is more than that of dm2-seq beside its like: it evaluates the pairs across its boundary, too, keeps what
+ * it may have to undo, and finds its caches as its client left them. The cells' edges of the file are those
+ * of square cells that give the largest run its number of cells. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -63,7 +65,8 @@ static void note_run(struct calibration *out, const struct run_report *r, struct
     out->perf.g = (double)r->update_bytes;
 }
 
-/* The runs of one size: dm2-seq, then a server of this size for each processor; alone[] gets the k of the former. */
+/* The runs of one size: dm2-seq, then a server of this size for each processor; alone[] gets the k of the
+ * former. */
 static enum dm2_status measure_size(const struct calibrate *c, double wanted, int processors, double *alone,
                                     struct calibration *out, struct perf_size *size, struct dm2_error *err)
 {
@@ -94,8 +97,8 @@ static enum dm2_status measure_size(const struct calibrate *c, double wanted, in
         return status;
     size->alone = median_of(alone, (size_t)runs);
     size->shared = n_shared > 0 ? median_of(shared, n_shared) : size->alone;
-    (void)printf("%8.0f elements: k = %.4g s alone, %.4g s each of %d servers\n", size->n, size->alone, size->shared,
-                 processors);
+    (void)printf("%8.0f elements: k = %.4g s alone, %.4g s each of %d servers\n", size->n, size->alone,
+                 size->shared, processors);
     (void)fflush(stdout);
     return DM2_OK;
 }
@@ -122,13 +125,14 @@ static enum dm2_status measure_k(struct calibrate *c, struct calibration *out, s
     return status;
 }
 
-static enum dm2_status measure_network(const struct calibrate *c, struct calibration *out, struct dm2_error *err)
+static enum dm2_status measure_network(const struct calibrate *c, struct calibration *out,
+                                       struct dm2_error *err)
 {
     enum dm2_status status = DM2_OK;
     for (int i = 0; i < c->servers.n_counts && status == DM2_OK; i++) {
         struct network_line line;
-        status = server_choice_measure(&c->servers, c->sweep.argv0, c->servers.counts[i], (int)c->turns, c->sweep.cancel,
-                                       &line, err);
+        status = server_choice_measure(&c->servers, c->sweep.argv0, c->servers.counts[i], (int)c->turns,
+                                       c->sweep.cancel, &line, err);
         if (status != DM2_OK)
             break;
         out->residual[out->perf.n_network] = line.residual;
@@ -144,7 +148,9 @@ static enum dm2_status run(struct calibrate *c, struct dm2_error *err)
 {
     struct calibration out = {.version = DM2_VERSION, .perf = {.d_x = SPACING_X, .d_y = SPACING_Y}};
     const char *named = getenv("DM2_CALIBRATION");
-    const char *path = c->file != NULL ? c->file : named != NULL && named[0] != '\0' ? named : CALIBRATION_FILE;
+    const char *path = c->file != NULL                     ? c->file
+                       : named != NULL && named[0] != '\0' ? named
+                                                           : CALIBRATION_FILE;
     if (gethostname(out.host, sizeof out.host - 1) != 0)
         return dm2_fail(err, DM2_IO, "this machine's host name cannot be found out");
     c->sweep.cancel = signals_catch();
@@ -156,8 +162,8 @@ static enum dm2_status run(struct calibrate *c, struct dm2_error *err)
         status = calibration_write(path, &out, err);
     if (status != DM2_OK)
         return status;
-    (void)printf("k = %.4g s, spread %.2g s (%.1f %%), g = %g bytes\nwritten to %s\n", out.perf.k, out.k_spread,
-                 100 * out.k_spread / out.perf.k, out.perf.g, path);
+    (void)printf("k = %.4g s, spread %.2g s (%.1f %%), g = %g bytes\nwritten to %s\n", out.perf.k,
+                 out.k_spread, 100 * out.k_spread / out.perf.k, out.perf.g, path);
     return model_output_end(err);
 }
 
@@ -168,7 +174,8 @@ enum dm2_status model_calibrate_command(const char *argv0, int argc, char **argv
     struct option table[ALL] = {
         {"file", 'f', OPTION_TEXT, &c.file, "FILE",
          "what to write (default $DM2_CALIBRATION, ./dm2-calibration.csv)", 0, 0},
-        {"turns", 0, OPTION_INTEGER, &c.turns, "T", "round trips of each size (default 50)", 4, NETWORK_TURNS},
+        {"turns", 0, OPTION_INTEGER, &c.turns, "T", "round trips of each size (default 50)", 4,
+         NETWORK_TURNS},
         {"help", 'h', OPTION_FLAG, &c.help, NULL, "prints this", 0, 0},
     };
     server_choice_start(&c.servers, table + OWN);

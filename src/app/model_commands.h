@@ -18,7 +18,8 @@ enum dm2_status model_netbench_command(const char *argv0, int argc, char **argv,
 /* dm2-model calibrate: measures k, m_N and b_N and writes the calibration file. */
 enum dm2_status model_calibrate_command(const char *argv0, int argc, char **argv, struct dm2_error *err);
 
-/* dm2-model compare: measured beside predicted over the sweep of the paper's section 7.2, or of finished runs. */
+/* dm2-model compare: measured beside predicted over the sweep of the paper's section 7.2, or of finished
+ * runs. */
 enum dm2_status model_compare_command(const char *argv0, int argc, char **argv, struct dm2_error *err);
 
 #endif

@@ -1,9 +1,9 @@
 /* dm2-model compare: measured beside predicted (the paper's section 7.2, Figs. 13 to 16).
  *
  * A case is a number of elements and a number of servers; its runs are averaged. The predictions are those of
- * app/prediction.h, with this machine's processors where it runs the servers itself. `critical` is computed, not
- * measured: the processor time of the busiest server and the communication of the model, which is what the step would
- * take if every server had a processor of its own. */
+ * app/prediction.h, with this machine's processors where it runs the servers itself. `critical` is computed,
+ * not measured: the processor time of the busiest server and the communication of the model, which is what
+ * the step would take if every server had a processor of its own. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -89,17 +89,19 @@ static void average(struct cases *all)
 {
     for (size_t k = 0; k < all->n; k++) {
         struct measured_case *one = &all->items[k];
-        double *const sums[] = {&one->measured, &one->predicted, &one->critical, &one->t_seq_predicted, &one->t_seq_cpu};
+        double *const sums[] = {&one->measured, &one->predicted, &one->critical, &one->t_seq_predicted,
+                                &one->t_seq_cpu};
         for (size_t i = 0; i < sizeof sums / sizeof sums[0]; i++)
             *sums[i] /= one->runs;
     }
 }
 
-/* --- output ------------------------------------------------------------------------------------------------ */
+/* --- output --- */
 
 enum { FIELDS = 13 };
 
-/* servers 0 is printed as 1 with the program's name beside it; speedups are against dm2-seq of the same n, NaN without. */
+/* servers 0 is printed as 1 with the program's name beside it; speedups are against dm2-seq of the same n,
+ * NaN without. */
 static void fields_of(const struct cases *all, const struct measured_case *one, double out[FIELDS])
 {
     const struct measured_case *seq = find_case(all, one->n, 0);
@@ -124,8 +126,9 @@ static void fields_of(const struct cases *all, const struct measured_case *one, 
 
 static void print_csv(const struct cases *all)
 {
-    (void)printf("program,n,servers,runs,measured,predicted,error_percent,t_seq,speedup,speedup_predicted,efficiency,"
-                 "efficiency_predicted,critical,speedup_critical\n");
+    (void)printf(
+        "program,n,servers,runs,measured,predicted,error_percent,t_seq,speedup,speedup_predicted,efficiency,"
+        "efficiency_predicted,critical,speedup_critical\n");
     for (size_t k = 0; k < all->n; k++) {
         double fields[FIELDS];
         fields_of(all, &all->items[k], fields);
@@ -141,21 +144,23 @@ static void print_csv(const struct cases *all)
 
 static void print_table(const struct compare *c, const struct cases *all)
 {
-    (void)printf("constants: %s\nms per step; speedup and efficiency against dm2-seq; critical: computed from processor "
-                 "time\n\n"
-                 "   elements servers runs   measured  predicted  error %%  speedup predicted  efficiency predicted  "
-                 "critical  speedup\n",
-                 c->path);
+    (void)printf(
+        "constants: %s\nms per step; speedup and efficiency against dm2-seq; critical: computed from "
+        "processor "
+        "time\n\n"
+        "   elements servers runs   measured  predicted  error %%  speedup predicted  efficiency predicted  "
+        "critical  speedup\n",
+        c->path);
     for (size_t k = 0; k < all->n; k++) {
         double f[FIELDS];
         fields_of(all, &all->items[k], f);
         (void)printf("%11.0f %7s%.0f %4.0f %10.4f %10.4f %8.1f %8.3f %9.3f %11.3f %9.3f %9.4f %8.3f\n", f[0],
-                     all->items[k].servers == 0 ? "seq " : "", f[1], f[2], 1e3 * f[3], 1e3 * f[4], f[5], f[7], f[8], f[9],
-                     f[10], 1e3 * f[11], f[12]);
+                     all->items[k].servers == 0 ? "seq " : "", f[1], f[2], 1e3 * f[3], 1e3 * f[4], f[5], f[7],
+                     f[8], f[9], f[10], 1e3 * f[11], f[12]);
     }
 }
 
-/* --- where runs come from ----------------------------------------------------------------------------------- */
+/* --- where runs come from --- */
 
 static enum dm2_status read_runs(const struct compare *c, struct cases *all, struct dm2_error *err)
 {
@@ -195,7 +200,8 @@ static enum dm2_status run(struct compare *c, struct dm2_error *err)
     char note[PREDICTION_TEXT];
     enum dm2_status status = prediction_calibration(c->calibration_file, &c->calibration, c->path, note, err);
     if (status == DM2_OK && c->path[0] == '\0')
-        status = dm2_fail(err, DM2_USAGE, "%s%sthere are no constants to predict with: dm2-model calibrate measures them",
+        status = dm2_fail(err, DM2_USAGE,
+                          "%s%sthere are no constants to predict with: dm2-model calibrate measures them",
                           note, note[0] == '\0' ? "" : "; ");
     if (status == DM2_OK)
         status = c->operands.n > 0 ? read_runs(c, &all, err) : make_runs(c, &all, err);
@@ -226,7 +232,8 @@ enum dm2_status model_compare_command(const char *argv0, int argc, char **argv, 
     enum dm2_status status = options_parse(table, ALL, argc, argv, &c.operands, err);
     if (status == DM2_OK && c.help) {
         (void)printf("usage: dm2-model compare [RUN-DIRECTORY...] [options]\n"
-                     "Measured beside predicted, of finished runs or of a sweep that it makes: dm2-seq and N servers,\n"
+                     "Measured beside predicted, of finished runs or of a sweep that it makes: dm2-seq and N "
+                     "servers,\n"
                      "1689 to 200000 elements unless --n says otherwise.\n\n");
         options_print(stdout, table, ALL);
     } else {

@@ -34,13 +34,14 @@ static void print_table(const struct network_line *lines, int n)
 {
     for (int k = 0; k < n; k++) {
         const struct network_line *l = &lines[k];
-        (void)printf("%d server%s, %d round trips of each size, medians\n     bytes          ms      fit ms\n",
-                     l->servers, l->servers == 1 ? "" : "s", l->turns);
+        (void)printf(
+            "%d server%s, %d round trips of each size, medians\n     bytes          ms      fit ms\n",
+            l->servers, l->servers == 1 ? "" : "s", l->turns);
         for (int i = 0; i < l->sizes; i++)
             (void)printf("%10.0f %11.5f %11.5f\n", l->bytes[i], 1e3 * l->seconds[i],
                          1e3 * (l->m * l->bytes[i] + l->b));
-        (void)printf("m_%d = %.4g s/byte, b_%d = %.4g s, residual %.2g s\n\n", l->servers, l->m, l->servers, l->b,
-                     l->residual);
+        (void)printf("m_%d = %.4g s/byte, b_%d = %.4g s, residual %.2g s\n\n", l->servers, l->m, l->servers,
+                     l->b, l->residual);
     }
 }
 
@@ -50,7 +51,8 @@ static enum dm2_status run(const struct netbench *c, const char *argv0, struct d
     int cancel = signals_catch();
     enum dm2_status status = DM2_OK;
     for (int k = 0; k < c->servers.n_counts && status == DM2_OK; k++)
-        status = server_choice_measure(&c->servers, argv0, c->servers.counts[k], (int)c->turns, cancel, &lines[k], err);
+        status = server_choice_measure(&c->servers, argv0, c->servers.counts[k], (int)c->turns, cancel,
+                                       &lines[k], err);
     if (status != DM2_OK)
         return status;
     (c->csv ? print_csv : print_table)(lines, c->servers.n_counts);
@@ -62,7 +64,8 @@ enum dm2_status model_netbench_command(const char *argv0, int argc, char **argv,
     enum { OWN = 3, ALL = OWN + SERVER_CHOICE_OPTIONS };
     struct netbench c = {.turns = 50};
     struct option table[ALL] = {
-        {"turns", 0, OPTION_INTEGER, &c.turns, "T", "round trips of each size (default 50)", 4, NETWORK_TURNS},
+        {"turns", 0, OPTION_INTEGER, &c.turns, "T", "round trips of each size (default 50)", 4,
+         NETWORK_TURNS},
         {"csv", 0, OPTION_FLAG, &c.csv, NULL, "comma-separated values: servers,bytes,seconds,fit", 0, 0},
         {"help", 'h', OPTION_FLAG, &c.help, NULL, "prints this", 0, 0},
     };

@@ -61,7 +61,7 @@ void model_options_start(struct model_options *o, struct option *table)
     memcpy(table, all, sizeof all);
 }
 
-/* --- numbers and lists -------------------------------------------------------------------------------- */
+/* --- numbers and lists --- */
 
 static enum dm2_status read_number(const char *name, const char *text, size_t length, double *out,
                                    struct dm2_error *err)
@@ -148,7 +148,7 @@ static enum dm2_status read_lists(struct model_options *o, struct dm2_error *err
     return status;
 }
 
-/* --- constants ---------------------------------------------------------------------------------------- */
+/* --- constants --- */
 
 static enum dm2_status read_calibration(const char *path, struct perf *out, struct dm2_error *err)
 {
@@ -228,7 +228,7 @@ static enum dm2_status read_constants(struct model_options *o, struct dm2_error 
     return status == DM2_OK ? perf_check(p, err) : status;
 }
 
-/* --- the form of the model ---------------------------------------------------------------------------- */
+/* --- the form of the model --- */
 
 /* *second where the option is the second of two words, false where it is the first or not given. */
 static enum dm2_status read_choice(const char *name, const char *text, const char *first, const char *other,

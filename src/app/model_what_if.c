@@ -90,7 +90,7 @@ static void print_sizes(const struct what_if *w)
     (void)printf("\n");
 }
 
-/* --- speedups ----------------------------------------------------------------------------------------- */
+/* --- speedups --- */
 
 static enum dm2_status speedup_row(const struct what_if *w, const struct what_if_case *c, int servers,
                                    struct dm2_error *err)
@@ -136,7 +136,7 @@ static enum dm2_status speedup_table(const struct what_if *w, struct dm2_error *
     return status;
 }
 
-/* --- break even --------------------------------------------------------------------------------------- */
+/* --- break even --- */
 
 static enum dm2_status break_even_row(const struct what_if *w, const struct what_if_case *c,
                                       struct dm2_error *err)
@@ -186,7 +186,7 @@ static enum dm2_status break_even_table(const struct what_if *w, struct dm2_erro
     return status;
 }
 
-/* --- best number of servers --------------------------------------------------------------------------- */
+/* --- best number of servers --- */
 
 static enum dm2_status best_row(const struct what_if *w, const struct what_if_case *c, struct dm2_error *err)
 {
@@ -229,7 +229,7 @@ static enum dm2_status best_table(const struct what_if *w, struct dm2_error *err
     return status;
 }
 
-/* --- the command -------------------------------------------------------------------------------------- */
+/* --- the command --- */
 
 struct table_kind {
     const char *name;

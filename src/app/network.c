@@ -1,8 +1,8 @@
 /* Measuring the network.
  *
- * Each size takes its turn, so that a disturbance that lasts meets all of them, and the median over the turns is what
- * counts: one message that was held up says nothing about the others. The first turn, which finds caches and
- * congestion windows cold, is left out where there are enough. */
+ * Each size takes its turn, so that a disturbance that lasts meets all of them, and the median over the turns
+ * is what counts: one message that was held up says nothing about the others. The first turn, which finds
+ * caches and congestion windows cold, is left out where there are enough. */
 #include "network.h"
 
 #include <math.h>

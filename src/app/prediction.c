@@ -1,6 +1,7 @@
-/* What the model says about a run, in words. Every run has its line: with the constants of a calibration file where there
- * is one, else with what can be learned from the run itself, and then it says so: such an estimate takes T_seq from the
- * very times that it is compared with, so it tells about communication and balance, not about computing. */
+/* What the model says about a run, in words. Every run has its line: with the constants of a calibration file
+ * where there is one, else with what can be learned from the run itself, and then it says so: such an
+ * estimate takes T_seq from the very times that it is compared with, so it tells about communication and
+ * balance, not about computing. */
 #include "prediction.h"
 
 #include <math.h>
@@ -16,8 +17,9 @@
 /* An element that moves takes its pairs along: six on a hexagonal lattice. */
 enum { MIGRANT_BYTES = WIRE_ELEMENT + 6 * WIRE_PAIR };
 
-enum dm2_status prediction_calibration(const char *option, struct calibration *out, char path[PREDICTION_TEXT],
-                                       char note[PREDICTION_TEXT], struct dm2_error *err)
+enum dm2_status prediction_calibration(const char *option, struct calibration *out,
+                                       char path[PREDICTION_TEXT], char note[PREDICTION_TEXT],
+                                       struct dm2_error *err)
 {
     char host[CALIBRATION_TEXT_MAX] = "";
     const char *named = option != NULL ? option : getenv("DM2_CALIBRATION");
@@ -56,8 +58,8 @@ static bool has_own(const struct run_report *r, int cores)
     return cores == 0 || cores > r->ranks;
 }
 
-void prediction_calibrated(const struct calibration *c, const char *path, const struct run_report *r, int cores,
-                           struct prediction_basis *out)
+void prediction_calibrated(const struct calibration *c, const char *path, const struct run_report *r,
+                           int cores, struct prediction_basis *out)
 {
     struct perf p = c->perf;
     double n = (double)r->elements, cells = cells_of(r);
@@ -75,8 +77,8 @@ void prediction_calibrated(const struct calibration *c, const char *path, const 
 void prediction_estimated(const struct network_line *line, const struct run_report *r, int cores,
                           struct prediction_basis *out)
 {
-    *out = (struct prediction_basis){.m = line->m, .b = line->b, .processors = processors_of(r, cores),
-                                     .apart = has_own(r, cores)};
+    *out = (struct prediction_basis){
+        .m = line->m, .b = line->b, .processors = processors_of(r, cores), .apart = has_own(r, cores)};
     for (int k = 0; k < r->ranks; k++) {
         const struct server_times *t = &r->servers[k].times;
         double computing = t->forces + t->integrate + t->rebuild;
@@ -86,10 +88,12 @@ void prediction_estimated(const struct network_line *line, const struct run_repo
     }
     out->work = out->t_seq;
     (void)snprintf(out->source, sizeof out->source,
-                   "estimated from this run's own processor time and %d round trips before it", line->turns * line->sizes);
+                   "estimated from this run's own processor time and %d round trips before it",
+                   line->turns * line->sizes);
 }
 
-bool prediction_explain(const struct run_report *r, const struct prediction_basis *basis, struct explanation *out)
+bool prediction_explain(const struct run_report *r, const struct prediction_basis *basis,
+                        struct explanation *out)
 {
     struct explain_server *servers = mem_zalloc((size_t)r->ranks, sizeof *servers);
     if (servers == NULL || r->timed == 0 || !(r->stepping > 0) || r->steps == 0) {
@@ -123,8 +127,8 @@ bool prediction_explain(const struct run_report *r, const struct prediction_basi
     return true;
 }
 
-void prediction_text(const struct explanation *e, const struct prediction_basis *basis, const struct run_report *r,
-                     char out[PREDICTION_TEXT])
+void prediction_text(const struct explanation *e, const struct prediction_basis *basis,
+                     const struct run_report *r, char out[PREDICTION_TEXT])
 {
     char crowd[80] = "";
     double difference = e->measured - e->predicted;

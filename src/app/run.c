@@ -34,7 +34,8 @@ void run_options_start(struct run_options *o, const char *program, int argc, cha
          INT64_MAX},
         {"checkpoint-every", 0, OPTION_INTEGER, &o->checkpoint_every, "K",
          "writes a checkpoint every K steps instead of as the deck says; 0: never", 0, INT64_MAX},
-        {"restart", 0, OPTION_TEXT, &o->restart, "FILE", "continues from a checkpoint, in its run directory", 0, 0},
+        {"restart", 0, OPTION_TEXT, &o->restart, "FILE", "continues from a checkpoint, in its run directory",
+         0, 0},
         {"progress", 0, OPTION_TEXT, &o->progress_text, "WHEN",
          "live line: auto (on a terminal), always or never", 0, 0},
         {"quiet", 'q', OPTION_FLAG, &o->quiet, NULL, "prints nothing but errors", 0, 0},
@@ -101,7 +102,8 @@ static enum dm2_status add_changes(const struct run_options *o, struct deck_sour
 }
 
 /* Reads a state and checks that it is one of this run. */
-static enum dm2_status read_state(const char *path, const struct run *run, struct state *out, struct dm2_error *err)
+static enum dm2_status read_state(const char *path, const struct run *run, struct state *out,
+                                  struct dm2_error *err)
 {
     enum dm2_status status = state_read(path, out, err);
     if (status != DM2_OK)
@@ -111,18 +113,21 @@ static enum dm2_status read_state(const char *path, const struct run *run, struc
     if (memcmp(out->digest, run->digest, sizeof run->digest) != 0) {
         sha256_text(run->digest, here);
         sha256_text(out->digest, there);
-        status = dm2_fail(err, DM2_PROTOCOL, "%s: belongs to another deck: its digest is %s, this deck's with its -D %s",
-                          path, there, here);
+        status = dm2_fail(err, DM2_PROTOCOL,
+                          "%s: belongs to another deck: its digest is %s, this deck's with its -D %s", path,
+                          there, here);
     } else if (out->n_elements != n || (n > 0 && out->elements[n - 1].id != n - 1)) {
-        status = dm2_fail(err, DM2_PROTOCOL, "%s: has %zu elements, the deck makes %zu", path, out->n_elements, n);
+        status =
+            dm2_fail(err, DM2_PROTOCOL, "%s: has %zu elements, the deck makes %zu", path, out->n_elements, n);
     } else if (out->step > run->config.steps) {
-        status = dm2_fail(err, DM2_PROTOCOL, "%s: is of step %lld, the run has %lld: give more with --steps", path,
-                          (long long)out->step, (long long)run->config.steps);
+        status = dm2_fail(err, DM2_PROTOCOL, "%s: is of step %lld, the run has %lld: give more with --steps",
+                          path, (long long)out->step, (long long)run->config.steps);
     }
     for (size_t k = 0; k < n && status == DM2_OK; k++)
-        if (out->elements[k].body >= run->config.n_bodies || out->elements[k].kind >= config_kinds(&run->config))
-            status = dm2_fail(err, DM2_PROTOCOL, "%s: element %zu is of a body or a kind that the deck does not have",
-                              path, k);
+        if (out->elements[k].body >= run->config.n_bodies ||
+            out->elements[k].kind >= config_kinds(&run->config))
+            status = dm2_fail(err, DM2_PROTOCOL,
+                              "%s: element %zu is of a body or a kind that the deck does not have", path, k);
     if (status != DM2_OK)
         state_free(out);
     return status;
@@ -145,8 +150,8 @@ static enum dm2_status read_restart(const struct run_options *o, struct run *run
         if (read_state(before, run, &other, NULL) == DM2_OK) {
             long long step = (long long)other.step;
             state_free(&other);
-            return dm2_fail(err, status, "%s; the one before it can be used, of step %lld: --restart %s", why.text, step,
-                            before);
+            return dm2_fail(err, status, "%s; the one before it can be used, of step %lld: --restart %s",
+                            why.text, step, before);
         }
     }
     return dm2_fail(err, status, "%s", why.text);
@@ -211,8 +216,9 @@ static char *directory_of(const char *path)
     return directory;
 }
 
-/* A run that goes on from the previous checkpoint, because the last one is of no use, takes it for its last: the next one
- * would push the useless one in its place, and until then nothing good would have the name that messages give. */
+/* A run that goes on from the previous checkpoint, because the last one is of no use, takes it for its last:
+ * the next one would push the useless one in its place, and until then nothing good would have the name that
+ * messages give. */
 static enum dm2_status promote_checkpoint(const char *restart, const char *directory, struct dm2_error *err)
 {
     const char *slash = strrchr(restart, '/');
@@ -239,8 +245,8 @@ enum dm2_status run_open_results(const struct run_options *o, const struct run *
     if (directory == NULL || (o->restart != NULL && own == NULL))
         status = dm2_fail(err, DM2_MEMORY, "no memory for the run directory's name");
     else if (o->restart != NULL)
-        status = results_continue(directory, o->overwrite, own, run->state.step, &run->config, scales, run->digest,
-                                  out, err);
+        status = results_continue(directory, o->overwrite, own, run->state.step, &run->config, scales,
+                                  run->digest, out, err);
     else
         status = results_open(directory, o->overwrite, &run->config, scales, run->digest, out, err);
     if (status == DM2_OK && o->restart != NULL && results_checkpoint_step(*out) == run->state.step)
@@ -274,7 +280,9 @@ static void print_quoted(FILE *to, const char *word)
 /* The number of words that name what the run began from, at `word`: they are left out. */
 static int words_of_restart(const char *word)
 {
-    return strcmp(word, "--restart") == 0 ? 2 : strncmp(word, "--restart=", 10) == 0 || strcmp(word, "--overwrite") == 0;
+    return strcmp(word, "--restart") == 0
+               ? 2
+               : strncmp(word, "--restart=", 10) == 0 || strcmp(word, "--overwrite") == 0;
 }
 
 void run_print_restart(const struct run_options *o, const struct results *results)

@@ -25,8 +25,8 @@ struct run_options {
     const char *deck;
     const char *directory; /* -o; NULL: from the deck's name */
     struct option_list defines;
-    int64_t steps;      /* -1: as the deck says */
-    int64_t hash_every; /* 0: never */
+    int64_t steps;            /* -1: as the deck says */
+    int64_t hash_every;       /* 0: never */
     int64_t checkpoint_every; /* -1: as the deck says; 0: never */
     const char *restart;      /* a state file to continue from; NULL: none */
     const char *progress_text;
@@ -56,8 +56,8 @@ struct run {
     struct state state; /* that it continues from */
 };
 
-/* Reads, checks and builds, and reads the state of --restart: DM2_PROTOCOL or DM2_IO where that cannot be used, with
- * the reason and the checkpoint before it, if that one can.
+/* Reads, checks and builds, and reads the state of --restart: DM2_PROTOCOL or DM2_IO where that cannot be
+ * used, with the reason and the checkpoint before it, if that one can.
  *
  * The deck's findings are printed on standard error (warnings not with --quiet).
  * DM2_DECK and others, with a closing sentence in *err. */
@@ -71,8 +71,9 @@ enum dm2_status run_open_results(const struct run_options *o, const struct run *
 /* Every how many steps the run writes a checkpoint; 0: never. */
 int64_t run_checkpoint_every(const struct run_options *o, const struct run *run);
 
-/* Says on standard error how a run that failed can be continued, where there is a checkpoint: its own command line,
- * quoted for a shell, with --restart in place of what it began from. Before results_abort; `results` may be NULL. */
+/* Says on standard error how a run that failed can be continued, where there is a checkpoint: its own command
+ * line, quoted for a shell, with --restart in place of what it began from. Before results_abort; `results`
+ * may be NULL. */
 void run_print_restart(const struct run_options *o, const struct results *results);
 
 /* What --check prints: elements, cells, time step, each subdomain with its elements and interface, memory. It

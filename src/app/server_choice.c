@@ -1,4 +1,5 @@
-/* Local servers live as long as one measurement: they serve one session. Named ones are left as they are found. */
+/* Local servers live as long as one measurement: they serve one session. Named ones are left as they are
+ * found. */
 #include "server_choice.h"
 
 #include <stdlib.h>
@@ -14,8 +15,10 @@ void server_choice_start(struct server_choice *c, struct option *table)
 {
     *c = (struct server_choice){0};
     const struct option all[SERVER_CHOICE_OPTIONS] = {
-        {"servers", 'n', OPTION_LIST, &c->counts_texts, "N,...", "numbers of servers (default 1,2,4,8)", 0, 0},
-        {"hosts", 0, OPTION_TEXT, &c->hosts, "FILE", "uses the servers of a hosts file instead of local ones", 0, 0},
+        {"servers", 'n', OPTION_LIST, &c->counts_texts, "N,...", "numbers of servers (default 1,2,4,8)", 0,
+         0},
+        {"hosts", 0, OPTION_TEXT, &c->hosts, "FILE", "uses the servers of a hosts file instead of local ones",
+         0, 0},
         {"server", 0, OPTION_LIST, &c->servers, "HOST[:PORT]", "uses this server; may be repeated", 0, 0},
         {"key", 0, OPTION_TEXT, &c->key_file, "FILE", "the key that these servers want", 0, 0},
     };
@@ -27,12 +30,13 @@ static int compare(const void *a, const void *b)
     return *(const int *)a - *(const int *)b;
 }
 
-static enum dm2_status add_count(struct server_choice *c, const char *text, size_t length, struct dm2_error *err)
+static enum dm2_status add_count(struct server_choice *c, const char *text, size_t length,
+                                 struct dm2_error *err)
 {
     int64_t n;
     if (!number_parse_integer(text, length, &n) || n < 1 || n > SERVER_CHOICE_MOST)
-        return dm2_fail(err, DM2_USAGE, "--servers '%.*s': a whole number from 1 to %d is expected", (int)length, text,
-                        SERVER_CHOICE_MOST);
+        return dm2_fail(err, DM2_USAGE, "--servers '%.*s': a whole number from 1 to %d is expected",
+                        (int)length, text, SERVER_CHOICE_MOST);
     if (c->named.n > 0 && (size_t)n > c->named.n)
         return dm2_fail(err, DM2_USAGE, "--servers %lld: only %zu are named", (long long)n, c->named.n);
     if (c->n_counts == SERVER_CHOICE_COUNTS)
@@ -81,8 +85,8 @@ void server_choice_free(struct server_choice *c)
     endpoints_free(&c->named);
 }
 
-enum dm2_status server_choice_measure(const struct server_choice *c, const char *argv0, int servers, int turns,
-                                      int cancel, struct network_line *out, struct dm2_error *err)
+enum dm2_status server_choice_measure(const struct server_choice *c, const char *argv0, int servers,
+                                      int turns, int cancel, struct network_line *out, struct dm2_error *err)
 {
     struct network_probe probe;
     struct local_servers local = {0};

@@ -1,5 +1,5 @@
-/* Which servers a command of dm2-model measures on: local ones that it starts for each measurement, or those that are
- * named, of which a measurement with N takes the first N. */
+/* Which servers a command of dm2-model measures on: local ones that it starts for each measurement, or those
+ * that are named, of which a measurement with N takes the first N. */
 #ifndef DM2_APP_SERVER_CHOICE_H
 #define DM2_APP_SERVER_CHOICE_H
 
@@ -17,19 +17,20 @@ struct server_choice {
     const char *hosts, *key_file;
     struct option_list servers, counts_texts;
     struct auth_key key;
-    struct endpoints named; /* none: local ones */
+    struct endpoints named;                     /* none: local ones */
     int counts[SERVER_CHOICE_COUNTS], n_counts; /* rising */
 };
 
 /* Writes SERVER_CHOICE_OPTIONS entries to `table`; clears *c. */
 void server_choice_start(struct server_choice *c, struct option *table);
 
-/* After options_parse. Without numbers of servers they are 1, 2, 4, 8, as far as named servers go. DM2_USAGE. */
+/* After options_parse. Without numbers of servers they are 1, 2, 4, 8, as far as named servers go. DM2_USAGE.
+ */
 enum dm2_status server_choice_finish(struct server_choice *c, struct dm2_error *err);
 void server_choice_free(struct server_choice *c);
 
 /* The cost of messages with `servers` servers. argv0 is where local servers are looked for. */
-enum dm2_status server_choice_measure(const struct server_choice *c, const char *argv0, int servers, int turns,
-                                      int cancel, struct network_line *out, struct dm2_error *err);
+enum dm2_status server_choice_measure(const struct server_choice *c, const char *argv0, int servers,
+                                      int turns, int cancel, struct network_line *out, struct dm2_error *err);
 
 #endif

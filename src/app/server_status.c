@@ -1,5 +1,6 @@
-/* Up or not, busy with whom, version, load: what somebody wants to know before he starts a run, or who waits for one. A
- * server that does not answer has the reason in its line, and the others are asked all the same. */
+/* Up or not, busy with whom, version, load: what somebody wants to know before he starts a run, or who waits
+ * for one. A server that does not answer has the reason in its line, and the others are asked all the same.
+ */
 #include "server_status.h"
 
 #include <string.h>
@@ -53,12 +54,12 @@ enum dm2_status server_status_print(FILE *to, const struct endpoints *servers, c
         if (status == DM2_OK) {
             print_report(to, &m);
         } else {
-            bool named = strncmp(why.text, name, strlen(name)) == 0 && strncmp(why.text + strlen(name), ": ", 2) == 0;
+            bool named =
+                strncmp(why.text, name, strlen(name)) == 0 && strncmp(why.text + strlen(name), ": ", 2) == 0;
             (void)fprintf(to, "not usable: %s\n", named ? why.text + strlen(name) + 2 : why.text);
             down++;
         }
         (void)fflush(to);
     }
-    return down == 0 ? DM2_OK
-                     : dm2_fail(err, DM2_NET, "%zu of %zu servers cannot be used", down, servers->n);
+    return down == 0 ? DM2_OK : dm2_fail(err, DM2_NET, "%zu of %zu servers cannot be used", down, servers->n);
 }

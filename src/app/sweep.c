@@ -21,8 +21,10 @@ void sweep_start(struct sweep *s, struct option *table)
         {"n", 0, OPTION_LIST, &s->n_texts, "N,...", "numbers of elements", 0, 0},
         {"steps", 0, OPTION_INTEGER, &s->steps, "K", "time steps of a run (default 40)", 2, INT64_MAX},
         {"runs", 0, OPTION_INTEGER, &s->runs, "R", "runs of each case (default 3)", 1, 100},
-        {"deck", 0, OPTION_TEXT, &s->deck, "FILE", "what is run, with a `let n` (default input/timing.dm2)", 0, 0},
-        {"output", 'o', OPTION_TEXT, &s->directory, "DIR", "where runs leave their logs (default dm2-timing)", 0, 0},
+        {"deck", 0, OPTION_TEXT, &s->deck, "FILE", "what is run, with a `let n` (default input/timing.dm2)",
+         0, 0},
+        {"output", 'o', OPTION_TEXT, &s->directory, "DIR", "where runs leave their logs (default dm2-timing)",
+         0, 0},
     };
     memcpy(table, all, sizeof all);
 }
@@ -31,7 +33,8 @@ static enum dm2_status add_size(struct sweep *s, const char *text, size_t length
 {
     int64_t n;
     if (!number_parse_integer(text, length, &n) || n < 1 || n > 1000000000)
-        return dm2_fail(err, DM2_USAGE, "--n '%.*s': a whole number from 1 to 1e9 is expected", (int)length, text);
+        return dm2_fail(err, DM2_USAGE, "--n '%.*s': a whole number from 1 to 1e9 is expected", (int)length,
+                        text);
     if (s->sizes == SWEEP_SIZES)
         return dm2_fail(err, DM2_USAGE, "--n has more than %d numbers", SWEEP_SIZES);
     s->n[s->sizes++] = (double)n;
@@ -55,10 +58,12 @@ static enum dm2_status find_deck(struct sweep *s, const char *argv0, struct dm2_
     (void)snprintf(s->deck_path, sizeof s->deck_path, "input/%s", DECK);
     if (access(s->deck_path, R_OK) == 0)
         return DM2_OK;
-    return dm2_fail(err, DM2_USAGE, "the deck %s was not found beside the program: name it with --deck", DECK);
+    return dm2_fail(err, DM2_USAGE, "the deck %s was not found beside the program: name it with --deck",
+                    DECK);
 }
 
-enum dm2_status sweep_finish(struct sweep *s, const double *n, int sizes, const char *argv0, struct dm2_error *err)
+enum dm2_status sweep_finish(struct sweep *s, const double *n, int sizes, const char *argv0,
+                             struct dm2_error *err)
 {
     enum dm2_status status = DM2_OK;
     s->argv0 = argv0;
@@ -78,11 +83,11 @@ void sweep_free(struct sweep *s)
     option_list_free(&s->n_texts);
 }
 
-/* --- running ---------------------------------------------------------------------------------------------- */
+/* --- running --- */
 
 /* What tells the client where its servers are, added to the command line at `argc`; returns the new argc. */
-static int add_servers(const struct server_choice *c, int servers, char *count, size_t size, char (*names)[HOST_MAX + 8],
-                       char **argv, int argc)
+static int add_servers(const struct server_choice *c, int servers, char *count, size_t size,
+                       char (*names)[HOST_MAX + 8], char **argv, int argc)
 {
     static char local[] = "-n", server[] = "--server", key[] = "--key";
     if (c->named.n == 0) {
@@ -124,7 +129,8 @@ static enum dm2_status write_line(const struct sweep *s, double n, int servers, 
                                   struct dm2_error *err)
 {
     enum { FIXED = 16 };
-    static char quiet[] = "-q", overwrite[] = "--overwrite", output[] = "-o", define[] = "-D", number[] = "--steps";
+    static char quiet[] = "-q", overwrite[] = "--overwrite", output[] = "-o", define[] = "-D",
+                number[] = "--steps";
     line->path = child_path(s->argv0, servers == 0 ? "dm2-seq" : "dm2-client");
     line->names = mem_zalloc((size_t)servers + 1, sizeof *line->names);
     line->argv = mem_zalloc((size_t)(FIXED + 2 * servers), sizeof *line->argv);
@@ -132,8 +138,8 @@ static enum dm2_status write_line(const struct sweep *s, double n, int servers, 
         free_line(line);
         return dm2_fail(err, DM2_MEMORY, "no memory for a run of %d servers", servers);
     }
-    char *const fixed[] = {line->path,      (char *)s->deck_path, quiet,            overwrite, output,
-                           line->directory, define,               line->definition, number,    line->steps};
+    char *const fixed[] = {line->path, (char *)s->deck_path, quiet,  overwrite,  output, line->directory,
+                           define,     line->definition,     number, line->steps};
     (void)snprintf(line->definition, sizeof line->definition, "n=%.0f", n);
     (void)snprintf(line->steps, sizeof line->steps, "%lld", (long long)s->steps);
     memcpy(line->argv, fixed, sizeof fixed);
@@ -162,7 +168,8 @@ enum dm2_status sweep_run(const struct sweep *s, double n, int servers, int run,
     if (servers == 0)
         (void)snprintf(line.directory, sizeof line.directory, "%s/n%.0f-seq-%d", s->directory, n, run);
     else
-        (void)snprintf(line.directory, sizeof line.directory, "%s/n%.0f-servers%d-%d", s->directory, n, servers, run);
+        (void)snprintf(line.directory, sizeof line.directory, "%s/n%.0f-servers%d-%d", s->directory, n,
+                       servers, run);
     enum dm2_status status = write_line(s, n, servers, &line, err);
     if (status != DM2_OK)
         return status;
@@ -173,7 +180,7 @@ enum dm2_status sweep_run(const struct sweep *s, double n, int servers, int run,
     return status;
 }
 
-/* --- reading ---------------------------------------------------------------------------------------------- */
+/* --- reading --- */
 
 /* The number behind `label` at the start of a line of the log. */
 static bool find_number(const char *log, const char *label, double *out)
@@ -202,10 +209,12 @@ static bool read_log(const char *log, struct run_report *out)
 {
     double elements, steps, ranks, stepping, timed, relay, redone, g;
     bool good = find_number(log, "elements: ", &elements) && find_number(log, "steps: ", &steps) &&
-                find_number(log, "subdomains: ", &ranks) && find_number(log, "time steps alone: ", &stepping) &&
+                find_number(log, "subdomains: ", &ranks) &&
+                find_number(log, "time steps alone: ", &stepping) &&
                 find_after(log, "time steps alone: ", " s for ", &timed) &&
-                find_after(log, "client: ", "servers, ", &relay) && find_after(log, "rebuilds: ", "of them ", &redone) &&
-                find_number(log, "g: ", &g) && elements >= 1 && steps >= 0 && ranks >= 1 && ranks <= HOSTS_MOST;
+                find_after(log, "client: ", "servers, ", &relay) &&
+                find_after(log, "rebuilds: ", "of them ", &redone) && find_number(log, "g: ", &g) &&
+                elements >= 1 && steps >= 0 && ranks >= 1 && ranks <= HOSTS_MOST;
     if (!good)
         return false;
     out->program = strncmp(log, "program: dm2-seq ", 17) == 0 ? "dm2-seq" : "dm2-client";
@@ -223,8 +232,9 @@ static bool read_log(const char *log, struct run_report *out)
 static enum dm2_status read_table(const char *path, struct run_report *out, struct dm2_error *err)
 {
     enum { COLUMNS = 12 };
-    static const char *const names[COLUMNS] = {"cells",    "elements", "mirrored", "steps", "forces [s]", "integrate [s]",
-                                               "rebuild [s]", "pack [s]", "unpack [s]", "cpu [s]", "migrants", "ahead [s]"};
+    static const char *const names[COLUMNS] = {"cells",      "elements",      "mirrored",    "steps",
+                                               "forces [s]", "integrate [s]", "rebuild [s]", "pack [s]",
+                                               "unpack [s]", "cpu [s]",       "migrants",    "ahead [s]"};
     struct csv csv;
     enum dm2_status status = csv_read(path, &csv, err);
     if (status != DM2_OK)
@@ -243,10 +253,11 @@ static enum dm2_status read_table(const char *path, struct run_report *out, stru
         for (int k = 0; k < out->ranks && status == DM2_OK; k++) {
             struct server_report *s = &out->servers[k];
             struct server_times *t = &s->times;
-            double *const seconds[COLUMNS] = {[4] = &t->forces, [5] = &t->integrate, [6] = &t->rebuild,
-                                              [7] = &t->pack,   [8] = &t->unpack,    [9] = &t->cpu,
-                                              [11] = &t->ahead};
-            uint64_t *const counts[COLUMNS] = {[1] = &s->owned, [2] = &s->mirrored, [3] = &t->steps, [10] = &t->migrants};
+            double *const seconds[COLUMNS] = {
+                [4] = &t->forces, [5] = &t->integrate, [6] = &t->rebuild, [7] = &t->pack,
+                [8] = &t->unpack, [9] = &t->cpu,       [11] = &t->ahead};
+            uint64_t *const counts[COLUMNS] = {
+                [1] = &s->owned, [2] = &s->mirrored, [3] = &t->steps, [10] = &t->migrants};
             double value = x[k] >= 0 && x[k] < 1e18 ? x[k] : 0;
             if (c == 0)
                 s->cells = (size_t)value;

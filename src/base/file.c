@@ -222,7 +222,9 @@ enum dm2_status file_rename(const char *from, const char *to, struct dm2_error *
     if (rename(from, to) != 0)
         return dm2_fail(err, DM2_IO, "%s: cannot rename it to %s: %s", from, to, strerror(errno));
     int error = sync_directory_of(to);
-    return error == 0 ? DM2_OK : dm2_fail(err, DM2_IO, "%s: cannot bring its directory to disk: %s", to, strerror(error));
+    return error == 0
+               ? DM2_OK
+               : dm2_fail(err, DM2_IO, "%s: cannot bring its directory to disk: %s", to, strerror(error));
 }
 
 enum dm2_status file_make_directory(const char *path, bool *made, struct dm2_error *err)

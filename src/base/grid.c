@@ -28,8 +28,10 @@ enum dm2_status grid_build(const double origin[2], const double size[2], const b
                             size[a], a == 0 ? 'x' : 'y', reach);
     }
     if (n[0] < 0 || n[1] < 0 || (double)n[0] * n[1] > 0x1p30)
-        return dm2_fail(err, DM2_DECK, "the grid would have more than 2^30 cells: r_c + delta_r = %g cm is too small "
-                        "for a domain of %g x %g cm", reach, size[0], size[1]);
+        return dm2_fail(err, DM2_DECK,
+                        "the grid would have more than 2^30 cells: r_c + delta_r = %g cm is too small "
+                        "for a domain of %g x %g cm",
+                        reach, size[0], size[1]);
     *out = (struct grid){.cx = n[0], .cy = n[1], .lx = size[0] / n[0], .ly = size[1] / n[1]};
     for (int a = 0; a < 2; a++) {
         out->origin[a] = origin[a];

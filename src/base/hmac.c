@@ -1,8 +1,8 @@
-/* HMAC as RFC 2104 writes it: H(key ^ opad, H(key ^ ipad, text)), a key longer than a block hashed first. Both
- * hashes are started with their pads at once, so that the key itself is not kept.
+/* HMAC as RFC 2104 writes it: H(key ^ opad, H(key ^ ipad, text)), a key longer than a block hashed first.
+ * Both hashes are started with their pads at once, so that the key itself is not kept.
  *
- * The comparison collects the differences of all bytes and looks at them once; the volatile keeps a compiler from
- * leaving the loop early. */
+ * The comparison collects the differences of all bytes and looks at them once; the volatile keeps a compiler
+ * from leaving the loop early. */
 #include "dm2/base/hmac.h"
 
 #include <string.h>

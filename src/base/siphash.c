@@ -1,8 +1,8 @@
-/* SipHash-2-4-128 as its authors define it: four words of state, two rounds for every word of 8 bytes, four rounds
- * before each half of the tag. The last word carries the length modulo 256 in its highest byte.
+/* SipHash-2-4-128 as its authors define it: four words of state, two rounds for every word of 8 bytes, four
+ * rounds before each half of the tag. The last word carries the length modulo 256 in its highest byte.
  *
- * Why not HMAC-SHA-256 for every frame: it takes some 20 times as long per byte (docs/security.md has the figures),
- * which a relay of all boundaries would feel in every step. */
+ * Why not HMAC-SHA-256 for every frame: it takes some 20 times as long per byte (docs/security.md has the
+ * figures), which a relay of all boundaries would feel in every step. */
 #include "dm2/base/siphash.h"
 
 static uint64_t load(const unsigned char *p)

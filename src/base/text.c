@@ -1,8 +1,8 @@
 /* Texts put together: one allocation of the right size, lengths measured once.
  *
- * Texts that somebody else wrote and a terminal shows: what is no printable character, in ASCII or well-formed UTF-8, is
- * replaced. U+0080 to U+009F count as control characters, as they do for terminals; so does any byte that is no part of a
- * character, which an 8-bit terminal could take for one of them. */
+ * Texts that somebody else wrote and a terminal shows: what is no printable character, in ASCII or
+ * well-formed UTF-8, is replaced. U+0080 to U+009F count as control characters, as they do for terminals; so
+ * does any byte that is no part of a character, which an 8-bit terminal could take for one of them. */
 #include "dm2/base/text.h"
 
 #include <stdlib.h>

@@ -1,11 +1,12 @@
 /* Keys, nonces and codes.
  *
- * A key file is one line of text, "dm2-key-1 " and 64 hexadecimal digits, so that it survives being pasted or copied
- * by whatever carries files between the machines. It is made with mode 0600 from the start (never briefly readable),
- * and one that others can read is refused rather than repaired: it may have been read already.
+ * A key file is one line of text, "dm2-key-1 " and 64 hexadecimal digits, so that it survives being pasted or
+ * copied by whatever carries files between the machines. It is made with mode 0600 from the start (never
+ * briefly readable), and one that others can read is refused rather than repaired: it may have been read
+ * already.
  *
- * Codes and session keys are all HMAC(key, label, version, client nonce, server nonce) with different labels of
- * one length, so that no code can stand for another. */
+ * Codes and session keys are all HMAC(key, label, version, client nonce, server nonce) with different labels
+ * of one length, so that no code can stand for another. */
 #include "dm2/cluster/auth.h"
 
 #include <errno.h>
@@ -45,8 +46,9 @@ enum dm2_status auth_nonce(unsigned char nonce[AUTH_NONCE], struct dm2_error *er
     int error = errno;
     if (fd >= 0)
         (void)close(fd);
-    return got == AUTH_NONCE ? DM2_OK
-                             : dm2_fail(err, DM2_IO, "/dev/urandom gives no random numbers: %s", strerror(error));
+    return got == AUTH_NONCE
+               ? DM2_OK
+               : dm2_fail(err, DM2_IO, "/dev/urandom gives no random numbers: %s", strerror(error));
 }
 
 static int write_key(int fd, const char *text)
@@ -75,7 +77,8 @@ enum dm2_status auth_key_create(const char *path, struct dm2_error *err)
     text[TEXT_LENGTH - 1] = '\n';
     int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
     if (fd < 0 && errno == EEXIST)
-        return dm2_fail(err, DM2_USAGE, "%s: exists already, and a key is not overwritten: name another file", path);
+        return dm2_fail(err, DM2_USAGE, "%s: exists already, and a key is not overwritten: name another file",
+                        path);
     if (fd < 0)
         return dm2_fail(err, DM2_IO, "%s: cannot create: %s", path, strerror(errno));
     int failed = write_key(fd, text) != 0, error = errno;
@@ -99,12 +102,14 @@ static enum dm2_status read_open(int fd, const char *path, struct auth_key *key,
     char text[TEXT_LENGTH + 1];
     struct stat info;
     if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode))
-        return dm2_fail(err, DM2_USAGE, "%s: is not a regular file: make a key with dm2-server --new-key", path);
+        return dm2_fail(err, DM2_USAGE, "%s: is not a regular file: make a key with dm2-server --new-key",
+                        path);
     if ((info.st_mode & (S_IRWXG | S_IRWXO)) != 0)
-        return dm2_fail(err, DM2_USAGE,
-                        "%s: other users can get at this key (mode %04o): chmod 600 it, or make a new one if somebody "
-                        "may have read it",
-                        path, (unsigned)(info.st_mode & 07777));
+        return dm2_fail(
+            err, DM2_USAGE,
+            "%s: other users can get at this key (mode %04o): chmod 600 it, or make a new one if somebody "
+            "may have read it",
+            path, (unsigned)(info.st_mode & 07777));
     ssize_t got = read_up_to(fd, text, sizeof text);
     int good = got == TEXT_LENGTH && memcmp(text, HEAD, HEAD_LENGTH) == 0 && text[TEXT_LENGTH - 1] == '\n';
     for (int k = 0; k < AUTH_KEY && good; k++) {
@@ -113,15 +118,16 @@ static enum dm2_status read_open(int fd, const char *path, struct auth_key *key,
         key->bytes[k] = (unsigned char)(high << 4 | low);
     }
     return good ? DM2_OK
-                : dm2_fail(err, DM2_USAGE, "%s: holds no key: make one with dm2-server --new-key FILE and copy it", path);
+                : dm2_fail(err, DM2_USAGE,
+                           "%s: holds no key: make one with dm2-server --new-key FILE and copy it", path);
 }
 
 enum dm2_status auth_key_read(const char *path, struct auth_key *key, struct dm2_error *err)
 {
     int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (fd < 0)
-        return dm2_fail(err, DM2_USAGE, "%s: cannot open the key: %s; dm2-server --new-key FILE makes one", path,
-                        strerror(errno));
+        return dm2_fail(err, DM2_USAGE, "%s: cannot open the key: %s; dm2-server --new-key FILE makes one",
+                        path, strerror(errno));
     enum dm2_status status = read_open(fd, path, key, err);
     (void)close(fd);
     return status;

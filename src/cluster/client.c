@@ -4,15 +4,15 @@
  * server its message and then gathers one answer from each with poll, in whatever order they come. During the
  * steps
  *
- *     gather   STEP from every rank, with the STATE parts of a snapshot and PROFILE sums before it where they are due
- *     decide   sums of counts, dmax, surveys: was this exchange of the right kind, what will the next one be
- *     route    segments to their destinations, straight out of the buffers they came in
- *     send     NEXT to every rank
- *     write    history, snapshots, while the servers compute
+ *     gather   STEP from every rank, with the STATE parts of a snapshot and PROFILE sums before it where they
+ * are due decide   sums of counts, dmax, surveys: was this exchange of the right kind, what will the next one
+ * be route    segments to their destinations, straight out of the buffers they came in send     NEXT to every
+ * rank write    history, snapshots, while the servers compute
  *
- * Any failure closes all connections, which ends all sessions. What lasts from one to the next is struct course: after
- * the loss of a server another session starts, with servers that are there, from the last copy of the state that the
- * course holds. Results know which steps they have, so steps that are done again leave no trace. */
+ * Any failure closes all connections, which ends all sessions. What lasts from one to the next is struct
+ * course: after the loss of a server another session starts, with servers that are there, from the last copy
+ * of the state that the course holds. Results know which steps they have, so steps that are done again leave
+ * no trace. */
 #include "dm2/cluster/client.h"
 
 #include <errno.h>
@@ -36,7 +36,7 @@
 #include "state_merge.h"
 #include "state_parts.h"
 
-static const double LOOK_SECONDS = 5e-5;    /* for messages before sleeping; a server may need the processor */
+static const double LOOK_SECONDS = 5e-5; /* for messages before sleeping; a server may need the processor */
 static const double CONNECT_SECONDS = 10.0; /* at most, to open one connection */
 static const double BUSY_SECONDS = 1.0;     /* of silence after HELLO until the user is told */
 static const double RETRY_SECONDS = 0.05;   /* between attempts to reach a server that was lost */
@@ -67,7 +67,7 @@ struct compilation {
 /* The sums of a profile on their way in. */
 struct profile_part {
     struct profile_bin *bins;
-    bool *came;   /* from which server */
+    bool *came; /* from which server */
     bool due;
 };
 
@@ -88,10 +88,10 @@ struct course {
     struct state_merge copy;                   /* the state of the step copy_step; -1: none */
     int64_t copy_step;
     struct copy_plan plan;
-    int64_t hashed;   /* the newest step whose hash was told; -1: none */
-    bool stepping;    /* all servers of the first session were ready */
-    bool stopping;    /* a signal came while the steps ran */
-    int renewals;     /* of all servers, since the last copy */
+    int64_t hashed; /* the newest step whose hash was told; -1: none */
+    bool stepping;  /* all servers of the first session were ready */
+    bool stopping;  /* a signal came while the steps ran */
+    int renewals;   /* of all servers, since the last copy */
     struct run_report report;
 };
 
@@ -120,8 +120,7 @@ struct client {
     struct run_report report;
 };
 
-/* --- failures ---------------------------------------------------------------------------------------------
- */
+/* --- failures --- */
 
 static int64_t starting_step(const struct client *c);
 
@@ -147,37 +146,37 @@ static enum dm2_status peer_failed(struct client *c, int rank, enum dm2_status s
     (void)snprintf(text, sizeof text, "%s", why); /* *err may be what `why` lies in */
     if (status == DM2_INTERRUPTED || status == DM2_MEMORY)
         return dm2_fail(err, status, "%s", text);
-    const char *advice =
-        status == DM2_NET && !c->options->recover ? "; see that server's log, start it again and repeat the run" : "";
+    const char *advice = status == DM2_NET && !c->options->recover
+                             ? "; see that server's log, start it again and repeat the run"
+                             : "";
     bool named = strncmp(text, name, strlen(name)) == 0;
     return dm2_fail(err, status, "server %d of %d, %s: %s%s%s%s", rank, c->ranks, step, named ? "" : name,
                     named ? "" : ": ", text, advice);
 }
 
 /* The server said ERROR itself. */
-static enum dm2_status peer_error(struct client *c, int rank, struct bytes_reader r,
-                                  struct dm2_error *err)
+static enum dm2_status peer_error(struct client *c, int rank, struct bytes_reader r, struct dm2_error *err)
 {
     struct error_message m;
     char text[600];
     message_get_error(&r, &m);
     if (!r.failed && strcmp(m.text, REFUSAL_TEXT) == 0)
-        return peer_failed(c, rank, DM2_PROTOCOL,
-                           c->options->key == NULL
-                               ? "it refuses the connection: it wants a key (--key FILE), or does not admit this machine"
-                               : "it refuses the connection: it has another key, or does not admit this machine",
-                           err);
+        return peer_failed(
+            c, rank, DM2_PROTOCOL,
+            c->options->key == NULL
+                ? "it refuses the connection: it wants a key (--key FILE), or does not admit this machine"
+                : "it refuses the connection: it has another key, or does not admit this machine",
+            err);
     (void)snprintf(text, sizeof text, "ended the session: %.560s",
                    r.failed ? "its reason does not decode" : m.text);
-    /* a server that was asked to end, or has no memory left, could not be used; one that found the deck wrong found the deck
-     * wrong */
+    /* a server that was asked to end, or has no memory left, could not be used; one that found the deck wrong
+     * found the deck wrong */
     bool unusable = m.status == DM2_INTERRUPTED || m.status == DM2_TIMEOUT || m.status == DM2_MEMORY;
     enum dm2_status status = unusable ? DM2_NET : m.status;
     return peer_failed(c, rank, status, text, err);
 }
 
-/* --- one message to, and one answer from, every server -----------------------------------------------------
- */
+/* --- one message to, and one answer from, every server --- */
 
 typedef enum dm2_status (*take_answer)(struct client *c, int rank, struct bytes_reader *r,
                                        struct dm2_error *err);
@@ -233,7 +232,8 @@ static enum dm2_status take_state(struct client *c, int rank, struct bytes_reade
 }
 
 /* The server is told that this client has the key. */
-static enum dm2_status answer_challenge(struct client *c, int rank, struct bytes_reader *r, struct dm2_error *err)
+static enum dm2_status answer_challenge(struct client *c, int rank, struct bytes_reader *r,
+                                        struct dm2_error *err)
 {
     struct peer *p = &c->peers[rank];
     struct dm2_error why = {0};
@@ -250,13 +250,15 @@ static enum dm2_status answer_challenge(struct client *c, int rank, struct bytes
 
 static enum dm2_status take_profile(struct client *c, int rank, struct bytes_reader *r, struct dm2_error *err)
 {
-    const struct config *config = c->job != NULL ? c->job->config : NULL; /* NULL: it only measures the network */
+    const struct config *config =
+        c->job != NULL ? c->job->config : NULL; /* NULL: it only measures the network */
     struct profile_message m;
     message_get_profile(r, &m);
     if (r->failed)
         return not_decoded(c, rank, "PROFILE", err);
-    if (config == NULL || m.which >= config->n_profiles || !c->profiles[m.which].due || c->profiles[m.which].came[rank] ||
-        m.step != c->profile_step || m.n_bins != (size_t)config->profiles[m.which].bins)
+    if (config == NULL || m.which >= config->n_profiles || !c->profiles[m.which].due ||
+        c->profiles[m.which].came[rank] || m.step != c->profile_step ||
+        m.n_bins != (size_t)config->profiles[m.which].bins)
         return peer_failed(c, rank, DM2_PROTOCOL, "it sent a profile that is not due", err);
     struct profile_part *p = &c->profiles[m.which];
     for (size_t k = 0; k < m.n_bins; k++) {
@@ -314,8 +316,8 @@ static enum dm2_status take_frames(struct client *c, int rank, enum message_type
     return DM2_OK;
 }
 
-/* Waits until an awaited server has something, or the first of them has been silent too long since `since`, but no
- * longer than until wake_at. */
+/* Waits until an awaited server has something, or the first of them has been silent too long since `since`,
+ * but no longer than until wake_at. */
 static enum dm2_status wait_for_any(struct client *c, double since, double wake_at, int *n,
                                     struct dm2_error *err)
 {
@@ -370,8 +372,8 @@ static void note_busy(const struct client *c)
         }
 }
 
-/* To the servers that have answered, while another one takes long: they have a patience, too. Not after DONE, which they hang
- * up after. */
+/* To the servers that have answered, while another one takes long: they have a patience, too. Not after DONE,
+ * which they hang up after. */
 static enum dm2_status tell_alive(struct client *c, struct dm2_error *err)
 {
     struct dm2_error why = {0};
@@ -423,8 +425,7 @@ static enum dm2_status gather(struct client *c, enum message_type type, uint32_t
     return status;
 }
 
-/* --- before the steps --------------------------------------------------------------------------------------
- */
+/* --- before the steps --- */
 
 /* Connects, after a loss again and again until `until`: the server may be started anew. */
 static enum dm2_status connect_one(struct client *c, const struct endpoint *e, double until, int *fd,
@@ -433,8 +434,8 @@ static enum dm2_status connect_one(struct client *c, const struct endpoint *e, d
     int cancel = c->options->cancel;
     for (;;) {
         double now = clock_now();
-        enum dm2_status status =
-            socket_connect(e->host, e->port, deadline_in(fmin(CONNECT_SECONDS, c->options->timeout), cancel), fd, err);
+        enum dm2_status status = socket_connect(
+            e->host, e->port, deadline_in(fmin(CONNECT_SECONDS, c->options->timeout), cancel), fd, err);
         if (status == DM2_OK || status == DM2_INTERRUPTED || clock_now() >= until)
             return status;
         if (clock_now() - now < RETRY_SECONDS) {
@@ -467,7 +468,8 @@ static enum dm2_status connect_all(struct client *c, struct dm2_error *err)
     return DM2_OK;
 }
 
-/* The server has proved that it has the key, too: from here on every frame is checked with the session's keys. */
+/* The server has proved that it has the key, too: from here on every frame is checked with the session's
+ * keys. */
 static enum dm2_status take_grant(struct client *c, int rank, struct bytes_reader *r, struct dm2_error *err)
 {
     struct peer *p = &c->peers[rank];
@@ -477,7 +479,8 @@ static enum dm2_status take_grant(struct client *c, int rank, struct bytes_reade
         return not_decoded(c, rank, "GRANT", err);
     auth_code(c->options->key, AUTH_SERVER, PROTOCOL_VERSION, &p->nonces, code);
     if (!hmac_equal(code, proof, AUTH_CODE))
-        return peer_failed(c, rank, DM2_PROTOCOL, "it does not have the key: is this the right machine?", err);
+        return peer_failed(c, rank, DM2_PROTOCOL, "it does not have the key: is this the right machine?",
+                           err);
     auth_session_key(c->options->key, AUTH_SERVER, PROTOCOL_VERSION, &p->nonces, in);
     auth_session_key(c->options->key, AUTH_CLIENT, PROTOCOL_VERSION, &p->nonces, out);
     channel_use_keys(&p->channel, in, out);
@@ -540,8 +543,9 @@ static enum dm2_status take_echo(struct client *c, int rank, struct bytes_reader
     return peer_failed(c, rank, DM2_PROTOCOL, "it did not send the same bytes back", err);
 }
 
-/* One message of n bytes to every server, and back from every one. A pause comes first: in a time step, too, the messages
- * find processes that have gone to sleep while others computed, and waking them up is a good part of b_N. */
+/* One message of n bytes to every server, and back from every one. A pause comes first: in a time step, too,
+ * the messages find processes that have gone to sleep while others computed, and waking them up is a good
+ * part of b_N. */
 static enum dm2_status echo_once(struct client *c, uint32_t n, double *seconds, struct dm2_error *err)
 {
     const struct timespec pause = {.tv_nsec = 200000};
@@ -645,11 +649,18 @@ static bool starting_state(const struct client *c, struct state_view *out)
     const struct state_merge *m = &course->copy;
     const struct state *s = c->job->start;
     if (course->copy_step >= 0)
-        *out = (struct state_view){.step = course->copy_step, .elements = m->elements, .n_elements = m->n_seen,
-                                    .pairs = m->pairs, .n_pairs = m->n_pairs};
+        *out = (struct state_view){.step = course->copy_step,
+                                   .elements = m->elements,
+                                   .n_elements = m->n_seen,
+                                   .pairs = m->pairs,
+                                   .n_pairs = m->n_pairs};
     else if (s != NULL)
-        *out = (struct state_view){.digest = s->digest, .step = s->step, .elements = s->elements,
-                                    .n_elements = s->n_elements, .pairs = s->pairs, .n_pairs = s->n_pairs};
+        *out = (struct state_view){.digest = s->digest,
+                                   .step = s->step,
+                                   .elements = s->elements,
+                                   .n_elements = s->n_elements,
+                                   .pairs = s->pairs,
+                                   .n_pairs = s->n_pairs};
     return course->copy_step >= 0 || s != NULL;
 }
 
@@ -660,13 +671,15 @@ static int64_t starting_step(const struct client *c)
 }
 
 /* Sends one rank what it owns and mirrors of the state. */
-static enum dm2_status send_share(struct client *c, int rank, const struct state_view *s, struct dm2_error *err)
+static enum dm2_status send_share(struct client *c, int rank, const struct state_view *s,
+                                  struct dm2_error *err)
 {
     struct state_parts parts = {.head = {.step = s->step, .purpose = STATE_COPY}};
     struct element *elements;
     struct pair_record *pairs;
-    enum dm2_status status = state_share(c->decomposition, rank, s->elements, s->n_elements, s->pairs, s->n_pairs,
-                                         &elements, &parts.n_elements, &pairs, &parts.n_pairs, err);
+    enum dm2_status status =
+        state_share(c->decomposition, rank, s->elements, s->n_elements, s->pairs, s->n_pairs, &elements,
+                    &parts.n_elements, &pairs, &parts.n_pairs, err);
     parts.elements = elements;
     parts.pairs = pairs;
     while (status == DM2_OK && state_parts_next(&parts, &c->out))
@@ -680,8 +693,9 @@ static enum dm2_status send_share(struct client *c, int rank, const struct state
 static bool wants_copy(struct client *c, int64_t step)
 {
     const struct config *config = c->job->config;
-    bool wanted = step < config->steps && (c->course->stopping || copy_plan_due(&c->course->plan, step) ||
-                                           results_checkpoint_due(config, c->options->checkpoint_every, step));
+    bool wanted =
+        step < config->steps && (c->course->stopping || copy_plan_due(&c->course->plan, step) ||
+                                 results_checkpoint_due(config, c->options->checkpoint_every, step));
     if (wanted)
         copy_plan_asked(&c->course->plan, step);
     return wanted;
@@ -730,8 +744,7 @@ static enum dm2_status assign_ranks(struct client *c, struct dm2_error *err)
     return status;
 }
 
-/* --- steps -------------------------------------------------------------------------------------------------
- */
+/* --- steps --- */
 
 static enum dm2_status take_step(struct client *c, int rank, struct bytes_reader *r, struct dm2_error *err)
 {
@@ -764,11 +777,12 @@ static enum dm2_status sum_up(struct client *c, bool rebuild, bool measured, boo
         if (m->step != c->at || m->rebuild != rebuild || m->measured != measured || m->hashed != hashed ||
             m->surveyed != surveyed) {
             char text[160];
-            (void)snprintf(text, sizeof text,
-                           "its STEP message is of step %lld (rebuild %d, measures %d, hash %d, survey %d), not as "
-                           "asked for (%d, %d, %d, %d)",
-                           (long long)m->step, m->rebuild, m->measured, m->hashed, m->surveyed, rebuild, measured, hashed,
-                           surveyed);
+            (void)snprintf(
+                text, sizeof text,
+                "its STEP message is of step %lld (rebuild %d, measures %d, hash %d, survey %d), not as "
+                "asked for (%d, %d, %d, %d)",
+                (long long)m->step, m->rebuild, m->measured, m->hashed, m->surveyed, rebuild, measured,
+                hashed, surveyed);
             return peer_failed(c, k, DM2_PROTOCOL, text, err);
         }
         elements += m->owned;
@@ -823,8 +837,13 @@ static enum dm2_status send_next(struct client *c, struct next_message m, bool s
 static enum dm2_status write_checkpoint(struct client *c, struct dm2_error *err)
 {
     const struct state_merge *m = &c->course->copy;
-    return results_checkpoint(c->job->results, &(struct state_view){.step = c->course->copy_step, .elements = m->elements,
-                              .n_elements = m->n_seen, .pairs = m->pairs, .n_pairs = m->n_pairs}, err);
+    return results_checkpoint(c->job->results,
+                              &(struct state_view){.step = c->course->copy_step,
+                                                   .elements = m->elements,
+                                                   .n_elements = m->n_seen,
+                                                   .pairs = m->pairs,
+                                                   .n_pairs = m->n_pairs},
+                              err);
 }
 
 static void expect_state(struct client *c, struct compilation *state, bool due, int64_t step)
@@ -848,7 +867,8 @@ static enum dm2_status keep_copy(struct client *c, struct dm2_error *err)
     course->renewals = 0;
     for (int k = 0; k < c->ranks; k++)
         course->stations[k].losses = 0;
-    bool due = course->stopping || results_checkpoint_due(c->job->config, c->options->checkpoint_every, course->copy_step);
+    bool due = course->stopping ||
+               results_checkpoint_due(c->job->config, c->options->checkpoint_every, course->copy_step);
     return due ? write_checkpoint(c, err) : DM2_OK;
 }
 
@@ -867,8 +887,13 @@ static enum dm2_status write_state(struct client *c, struct compilation *state, 
     if (state == &c->copy)
         return keep_copy(c, err);
     if (state == &c->final)
-        return results_final(c->job->results, &(struct state_view){.step = state->step, .elements = m->elements,
-                             .n_elements = m->n_seen, .pairs = m->pairs, .n_pairs = m->n_pairs}, err);
+        return results_final(c->job->results,
+                             &(struct state_view){.step = state->step,
+                                                  .elements = m->elements,
+                                                  .n_elements = m->n_seen,
+                                                  .pairs = m->pairs,
+                                                  .n_pairs = m->n_pairs},
+                             err);
     return results_snapshot(c->job->results, state->step, m->elements, m->measured, m->n_seen, m->pairs,
                             m->n_pairs, err);
 }
@@ -903,7 +928,8 @@ static enum dm2_status write_profiles(struct client *c, struct dm2_error *err)
 
 /* Decides, routes and sends: what ends one step and starts the next. *rebuild is how this exchange was asked
  * for, and becomes how the next one will be. */
-static enum dm2_status exchange_step(struct client *c, bool *rebuild, const struct step_sum *sum, struct dm2_error *err)
+static enum dm2_status exchange_step(struct client *c, bool *rebuild, const struct step_sum *sum,
+                                     struct dm2_error *err)
 {
     enum dm2_status status = DM2_OK;
     bool last = c->at == c->job->config->steps;
@@ -992,9 +1018,11 @@ static enum dm2_status step(struct client *c, int64_t n, bool *rebuild, struct d
     if (hashed && status == DM2_OK)
         tell_hash(c, c->at, sum.hash);
     if (events->step != NULL && status == DM2_OK)
-        events->step(events->context, c->at, c->ranks > 1 ? c->peers[sum.slowest].channel.name : NULL, sum.busy);
+        events->step(events->context, c->at, c->ranks > 1 ? c->peers[sum.slowest].channel.name : NULL,
+                     sum.busy);
     if (copy && c->course->stopping && status == DM2_OK)
-        status = dm2_fail(err, DM2_INTERRUPTED, "the run was interrupted by a signal at step %lld", (long long)c->at);
+        status = dm2_fail(err, DM2_INTERRUPTED, "the run was interrupted by a signal at step %lld",
+                          (long long)c->at);
     return status;
 }
 
@@ -1043,8 +1071,7 @@ static enum dm2_status finish(struct client *c, struct dm2_error *err)
     return status;
 }
 
-/* --- the run -----------------------------------------------------------------------------------------------
- */
+/* --- the run --- */
 
 static enum dm2_status run_steps(struct client *c, struct dm2_error *err)
 {
@@ -1190,8 +1217,7 @@ static enum dm2_status run_session(const struct client_job *job, const struct cl
     return status;
 }
 
-/* --- after a loss ------------------------------------------------------------------------------------------
- */
+/* --- after a loss --- */
 
 static void tell(const struct client_options *options, const char *text)
 {
@@ -1200,7 +1226,8 @@ static void tell(const struct client_options *options, const char *text)
 }
 
 /* Can the run go on after this failure? */
-static bool is_loss(const struct client_options *o, const struct course *course, enum dm2_status status, int culprit)
+static bool is_loss(const struct client_options *o, const struct course *course, enum dm2_status status,
+                    int culprit)
 {
     return o->recover && course->stepping && !course->stopping && culprit >= 0 &&
            (status == DM2_NET || status == DM2_TIMEOUT || status == DM2_PROTOCOL);
@@ -1220,7 +1247,8 @@ static enum dm2_status weigh(const struct client_job *job, const struct course *
 }
 
 /* Takes a server out and cuts the domain for those that remain. */
-static enum dm2_status do_without(const struct client_job *job, struct course *course, int lost, struct dm2_error *err)
+static enum dm2_status do_without(const struct client_job *job, struct course *course, int lost,
+                                  struct dm2_error *err)
 {
     const struct grid *g = model_grid(job->model);
     int ranks = course->decomposition->ranks - 1;
@@ -1237,7 +1265,8 @@ static enum dm2_status do_without(const struct client_job *job, struct course *c
     free(weights);
     if (status != DM2_OK)
         return status;
-    memmove(&course->stations[lost], &course->stations[lost + 1], (size_t)(ranks - lost) * sizeof *course->stations);
+    memmove(&course->stations[lost], &course->stations[lost + 1],
+            (size_t)(ranks - lost) * sizeof *course->stations);
     decomposition_free(&course->cut);
     course->cut = cut;
     course->decomposition = &course->cut;
@@ -1245,7 +1274,8 @@ static enum dm2_status do_without(const struct client_job *job, struct course *c
 }
 
 /* All servers anew, where this program's caller started them. */
-static enum dm2_status renew(const struct client_options *options, struct course *course, struct dm2_error *err)
+static enum dm2_status renew(const struct client_options *options, struct course *course,
+                             struct dm2_error *err)
 {
     int ranks = course->decomposition->ranks;
     if (++course->renewals > LOSSES_MOST)
@@ -1277,23 +1307,23 @@ static enum dm2_status replace(const struct client_job *job, const struct client
         return renew(options, course, err);
     }
     if (!absent && ++s->losses <= LOSSES_MOST) {
-        (void)snprintf(line, sizeof line, "going on from %s, waiting up to %g s for %s:%d", from, options->reconnect,
-                       s->at.host, s->at.port);
+        (void)snprintf(line, sizeof line, "going on from %s, waiting up to %g s for %s:%d", from,
+                       options->reconnect, s->at.host, s->at.port);
         tell(options, line);
         return DM2_OK;
     }
     if (course->spares_used < options->n_spares) {
         const struct endpoint *spare = &options->spares[course->spares_used++];
-        (void)snprintf(line, sizeof line, "going on from %s with the spare %s:%d in place of %s:%d", from, spare->host,
-                       spare->port, s->at.host, s->at.port);
+        (void)snprintf(line, sizeof line, "going on from %s with the spare %s:%d in place of %s:%d", from,
+                       spare->host, spare->port, s->at.host, s->at.port);
         *s = (struct station){.at = *spare};
         tell(options, line);
         return DM2_OK;
     }
     if (course->decomposition->ranks == 1)
         return dm2_fail(err, DM2_NET, "no server is left");
-    (void)snprintf(line, sizeof line, "going on from %s without %s:%d, with %d of the servers", from, s->at.host,
-                   s->at.port, course->decomposition->ranks - 1);
+    (void)snprintf(line, sizeof line, "going on from %s without %s:%d, with %d of the servers", from,
+                   s->at.host, s->at.port, course->decomposition->ranks - 1);
     tell(options, line);
     return do_without(job, course, lost, err);
 }
@@ -1321,8 +1351,13 @@ static void leave_checkpoint(const struct client_job *job, struct course *course
 {
     const struct state_merge *m = &course->copy;
     if (status != DM2_IO && course->copy_step > results_checkpoint_step(job->results))
-        (void)results_checkpoint(job->results, &(struct state_view){.step = course->copy_step, .elements = m->elements,
-                                 .n_elements = m->n_seen, .pairs = m->pairs, .n_pairs = m->n_pairs}, NULL);
+        (void)results_checkpoint(job->results,
+                                 &(struct state_view){.step = course->copy_step,
+                                                      .elements = m->elements,
+                                                      .n_elements = m->n_seen,
+                                                      .pairs = m->pairs,
+                                                      .n_pairs = m->n_pairs},
+                                 NULL);
 }
 
 enum dm2_status client_run(const struct client_job *job, const struct client_options *options,
@@ -1340,7 +1375,8 @@ enum dm2_status client_run(const struct client_job *job, const struct client_opt
     for (int k = 0; k < ranks; k++)
         course.stations[k].at = options->servers[k];
     state_merge_open(&course.copy, wire_limits_of(job->model));
-    copy_plan_start(&course.plan, options->recover ? options->copy_every : 0, job->start != NULL ? job->start->step : 0);
+    copy_plan_start(&course.plan, options->recover ? options->copy_every : 0,
+                    job->start != NULL ? job->start->step : 0);
     enum dm2_status status = run_course(job, options, &course, err);
     if (status != DM2_OK)
         leave_checkpoint(job, &course, status);
@@ -1366,8 +1402,9 @@ enum dm2_status client_measure_network(const struct client_options *options, int
     struct dm2_error why = {0};
     for (int k = 0; k < ranks && course.stations != NULL; k++)
         course.stations[k].at = options->servers[k];
-    enum dm2_status status = course.stations != NULL ? open_peers(&c, &why)
-                                                     : dm2_fail(&why, DM2_MEMORY, "no memory for %d servers", ranks);
+    enum dm2_status status = course.stations != NULL
+                                 ? open_peers(&c, &why)
+                                 : dm2_fail(&why, DM2_MEMORY, "no memory for %d servers", ranks);
     if (status == DM2_OK)
         status = connect_all(&c, &why);
     if (status == DM2_OK)

@@ -1,9 +1,10 @@
-/* Another copy is taken when, together with those before it, it would cost no more than SHARE of the time so far. Where one costs
- * C seconds and a step s, their distance comes to C / (SHARE s) steps. The first one comes after a few steps, to learn its cost;
- * what the next one will cost is taken to be the most that one has cost yet.
+/* Another copy is taken when, together with those before it, it would cost no more than SHARE of the time so
+ * far. Where one costs C seconds and a step s, their distance comes to C / (SHARE s) steps. The first one
+ * comes after a few steps, to learn its cost; what the next one will cost is taken to be the most that one
+ * has cost yet.
  *
- * What a copy cost is what its step took longer than steps like it: those with a snapshot are compared with those with a
- * snapshot, so that the cost is found where every step has one. */
+ * What a copy cost is what its step took longer than steps like it: those with a snapshot are compared with
+ * those with a snapshot, so that the cost is found where every step has one. */
 #include "copies.h"
 
 static const double SHARE = 0.02; /* of the time, at most */

@@ -170,7 +170,8 @@ enum dm2_status exchange_take_rebuild(struct exchange *x, struct subdomain *sd, 
         if (!bytes_done(&segment)) {
             wire_parcel_free(&x->in[n]);
             status = dm2_fail(err, DM2_PROTOCOL,
-                              "rank %d got a parcel from rank %d that does not decode: it is cut, or a number in it is not finite "
+                              "rank %d got a parcel from rank %d that does not decode: it is cut, or a "
+                              "number in it is not finite "
                               "or cannot be",
                               x->rank, from);
             break;

@@ -123,16 +123,17 @@ static enum dm2_status parse_line(const char *name, int line, const char *at, co
         return DM2_OK;
     const char *wrong = split_server(word, length, &e);
     if (wrong != NULL)
-        return dm2_fail(err, DM2_USAGE, "%s:%d: '%.*s': %s; a line is host[:port] [slots=K] [spare]", name, line,
-                        (int)length, word, wrong);
+        return dm2_fail(err, DM2_USAGE, "%s:%d: '%.*s': %s; a line is host[:port] [slots=K] [spare]", name,
+                        line, (int)length, word, wrong);
     while (next_word(&at, end, &word, &length)) {
         if (length == 5 && memcmp(word, "spare", 5) == 0) {
             spare = true;
             continue;
         }
         if (length < 6 || memcmp(word, "slots=", 6) != 0)
-            return dm2_fail(err, DM2_USAGE, "%s:%d: '%.*s' is not known; a line is host[:port] [slots=K] [spare]",
-                            name, line, (int)length, word);
+            return dm2_fail(err, DM2_USAGE,
+                            "%s:%d: '%.*s' is not known; a line is host[:port] [slots=K] [spare]", name, line,
+                            (int)length, word);
         if (!number_in(word + 6, length - 6, 1, HOSTS_MOST, &slots) || e.port + slots - 1 > 65535)
             return dm2_fail(err, DM2_USAGE,
                             "%s:%d: '%.*s': slots must be a number from 1 on, and port + slots - 1 at most "

@@ -1,5 +1,5 @@
-/* STATUS, and where the server has a key CHALLENGE, PROOF and GRANT, then REPORT: one after the other on one connection,
- * which ends with the answer. A client with a key believes nothing that is said before GRANT. */
+/* STATUS, and where the server has a key CHALLENGE, PROOF and GRANT, then REPORT: one after the other on one
+ * connection, which ends with the answer. A client with a key believes nothing that is said before GRANT. */
 #include "dm2/cluster/inquiry.h"
 
 #include <stdio.h>
@@ -24,20 +24,22 @@ static enum dm2_status expect(struct channel *ch, enum message_type type, const 
         message_get_error(out, &m);
         return dm2_fail(err, DM2_PROTOCOL, "%s: %s", ch->name,
                         strcmp(m.text, REFUSAL_TEXT) != 0 ? m.text
-                        : key == NULL                     ? "it wants a key (--key FILE), or does not admit this machine"
-                                                          : "it has another key, or does not admit this machine");
+                        : key == NULL ? "it wants a key (--key FILE), or does not admit this machine"
+                                      : "it has another key, or does not admit this machine");
     }
     if (f.type == MESSAGE_CHALLENGE && key == NULL)
         return dm2_fail(err, DM2_PROTOCOL, "%s: it wants a key (--key FILE)", ch->name);
     if (f.type == MESSAGE_REPORT && key != NULL)
-        return dm2_fail(err, DM2_PROTOCOL, "%s: it has no key: start it with --key, or ask without", ch->name);
-    return dm2_fail(err, DM2_PROTOCOL, "%s: it sent %s where %s is due", ch->name, message_name(f.type, name[0]),
-                    message_name((uint8_t)type, name[1]));
+        return dm2_fail(err, DM2_PROTOCOL, "%s: it has no key: start it with --key, or ask without",
+                        ch->name);
+    return dm2_fail(err, DM2_PROTOCOL, "%s: it sent %s where %s is due", ch->name,
+                    message_name(f.type, name[0]), message_name((uint8_t)type, name[1]));
 }
 
 /* A message of exactly n bytes. */
 static enum dm2_status expect_bytes(struct channel *ch, enum message_type type, const struct auth_key *key,
-                                    unsigned char *out, size_t n, struct deadline until, struct dm2_error *err)
+                                    unsigned char *out, size_t n, struct deadline until,
+                                    struct dm2_error *err)
 {
     struct bytes_reader r;
     char name[16];
@@ -66,7 +68,8 @@ static enum dm2_status prove(struct channel *ch, const struct auth_key *key, str
         return status;
     auth_code(key, AUTH_SERVER, PROTOCOL_VERSION, nonces, code);
     if (!hmac_equal(code, proof, AUTH_CODE))
-        return dm2_fail(err, DM2_PROTOCOL, "%s: it does not have the key: is this the right machine?", ch->name);
+        return dm2_fail(err, DM2_PROTOCOL, "%s: it does not have the key: is this the right machine?",
+                        ch->name);
     auth_session_key(key, AUTH_SERVER, PROTOCOL_VERSION, nonces, in);
     auth_session_key(key, AUTH_CLIENT, PROTOCOL_VERSION, nonces, out);
     channel_use_keys(ch, in, out);
@@ -88,11 +91,12 @@ static enum dm2_status ask(struct channel *ch, const struct auth_key *key, struc
     if (status != DM2_OK)
         return status;
     message_get_report(&r, out);
-    return r.failed ? dm2_fail(err, DM2_PROTOCOL, "%s: its REPORT message does not decode", ch->name) : DM2_OK;
+    return r.failed ? dm2_fail(err, DM2_PROTOCOL, "%s: its REPORT message does not decode", ch->name)
+                    : DM2_OK;
 }
 
-enum dm2_status inquiry_ask(const struct endpoint *server, const struct auth_key *key, double seconds, int cancel,
-                            struct report_message *out, struct dm2_error *err)
+enum dm2_status inquiry_ask(const struct endpoint *server, const struct auth_key *key, double seconds,
+                            int cancel, struct report_message *out, struct dm2_error *err)
 {
     struct deadline until = deadline_in(seconds, cancel);
     struct channel ch;

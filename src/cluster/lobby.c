@@ -1,21 +1,27 @@
-/* One poll for everybody: the connection that the server waits for, the listener, and those visitors that owe something.
+/* One poll for everybody: the connection that the server waits for, the listener, and those visitors that owe
+ * something.
  *
- * With a key a visitor proves it here, also while the server is busy, so that only who has it waits for its turn. Without
- * one, what a visitor wants is seen from the header of its first message, which is looked at and not taken: a client's bytes
- * stay where they are until its session reads them. Clients are not polled any more, so that what they sent wakes nobody;
- * neither is a visitor whose few bytes do not tell yet, which is looked at again every 50 ms instead. A client that has
- * closed, or whose first message is not there to its end in time, loses its place.
+ * With a key a visitor proves it here, also while the server is busy, so that only who has it waits for its
+ * turn. Without one, what a visitor wants is seen from the header of its first message, which is looked at
+ * and not taken: a client's bytes stay where they are until its session reads them. Clients are not polled
+ * any more, so that what they sent wakes nobody; neither is a visitor whose few bytes do not tell yet, which
+ * is looked at again every 50 ms instead. A client that has closed, or whose first message is not there to
+ * its end in time, loses its place.
  *
- * In a full lobby the oldest of those who may be strangers makes room for the next connection as soon as it has had a
- * second. What has come from it by then is read first: a server that computes for longer takes nobody's turn away.
+ * In a full lobby the oldest of those who may be strangers makes room for the next connection as soon as it
+ * has had a second. What has come from it by then is read first: a server that computes for longer takes
+ * nobody's turn away.
  *
- * Where a connection could not be taken, for want of descriptors for instance, it still makes the listener readable: that
- * one is left alone for 100 ms then, so that the wait for the session's client is none that spins.
+ * Where a connection could not be taken, for want of descriptors for instance, it still makes the listener
+ * readable: that one is left alone for 100 ms then, so that the wait for the session's client is none that
+ * spins.
  *
- * A server that is free and has a client at hand turns to it before it says anything to those behind: it is not free.
+ * A server that is free and has a client at hand turns to it before it says anything to those behind: it is
+ * not free.
  *
- * Everything is sent with a deadline of now: it is small and the connection is fresh, so it goes or the visitor is none.
- * A visitor that is refused gets the same words whatever the reason; the log has the reason. */
+ * Everything is sent with a deadline of now: it is small and the connection is fresh, so it goes or the
+ * visitor is none. A visitor that is refused gets the same words whatever the reason; the log has the reason.
+ */
 #include "lobby.h"
 
 #include <errno.h>
@@ -31,13 +37,15 @@
 
 static const double VAGUE_SECONDS = 0.05, DEAF_SECONDS = 0.1;
 
-/* How long to look for the client's next message before sleeping. A processor whose server sleeps falls asleep too, and waking
- * it up takes longer than all that the client does in a step; one that looks lets the client run at once. */
+/* How long to look for the client's next message before sleeping. A processor whose server sleeps falls
+ * asleep too, and waking it up takes longer than all that the client does in a step; one that looks lets the
+ * client run at once. */
 static const double LOOK_SECONDS = 2e-3;
 
 enum { TYPE_AT = 6 }; /* in the header of a frame */
 
-void lobby_open(struct lobby *l, int listener, const struct server_options *options, server_log log, void *log_context)
+void lobby_open(struct lobby *l, int listener, const struct server_options *options, server_log log,
+                void *log_context)
 {
     *l = (struct lobby){.options = options, .listener = listener, .log = log, .log_context = log_context};
 }
@@ -53,7 +61,8 @@ static void leave(struct lobby *l, size_t k)
     memmove(&l->visitors[k], &l->visitors[k + 1], (--l->n - k) * sizeof l->visitors[0]);
 }
 
-static enum dm2_status send_out(struct lobby *l, struct visitor *v, enum message_type type, struct dm2_error *err)
+static enum dm2_status send_out(struct lobby *l, struct visitor *v, enum message_type type,
+                                struct dm2_error *err)
 {
     if (l->out.failed)
         return dm2_fail(err, DM2_MEMORY, "no memory for a message");
@@ -103,8 +112,7 @@ static bool let_wait(const struct lobby *l, struct visitor *v)
     return true;
 }
 
-/* --- who asks for the status, and who has to prove the key ---------------------------------------------------
- */
+/* --- who asks for the status, and who has to prove the key --- */
 
 static enum dm2_status send_report(struct lobby *l, struct visitor *v, struct dm2_error *err)
 {
@@ -151,7 +159,8 @@ static enum dm2_status send_grant(struct lobby *l, struct visitor *v, struct dm2
 /* What becomes of a visitor. */
 enum turn_out { STAYS, IS_ANSWERED, IS_ONE_TOO_MANY };
 
-/* The visitor proves first: a stranger gets a random number from this server and nothing that depends on the key. */
+/* The visitor proves first: a stranger gets a random number from this server and nothing that depends on the
+ * key. */
 static enum dm2_status admit(struct lobby *l, struct visitor *v, const unsigned char proof[AUTH_CODE],
                              enum turn_out *what, struct dm2_error *err)
 {
@@ -159,7 +168,8 @@ static enum dm2_status admit(struct lobby *l, struct visitor *v, const unsigned 
     unsigned char code[AUTH_CODE];
     auth_code(l->options->key, v->role, PROTOCOL_VERSION, &v->nonces, code);
     if (!hmac_equal(code, proof, AUTH_CODE))
-        return dm2_fail(err, DM2_PROTOCOL, "%s has another key", asks ? "who asks for the status" : "the client");
+        return dm2_fail(err, DM2_PROTOCOL, "%s has another key",
+                        asks ? "who asks for the status" : "the client");
     *what = asks ? IS_ANSWERED : let_wait(l, v) ? STAYS : IS_ONE_TOO_MANY;
     v->whole = v->kind == VISITOR_CLIENT;
     enum dm2_status status = *what == IS_ONE_TOO_MANY ? DM2_OK : send_grant(l, v, err);
@@ -167,19 +177,20 @@ static enum dm2_status admit(struct lobby *l, struct visitor *v, const unsigned 
 }
 
 /* The first message, or the answer to the challenge: a nonce and a code are of one length. */
-static enum dm2_status take_message(struct lobby *l, struct visitor *v, const struct frame *f, enum turn_out *what,
-                                    struct dm2_error *err)
+static enum dm2_status take_message(struct lobby *l, struct visitor *v, const struct frame *f,
+                                    enum turn_out *what, struct dm2_error *err)
 {
     char name[2][16];
-    bool keyed = l->options->key != NULL, proves = v->kind == VISITOR_PROVES, asks = f->type == MESSAGE_STATUS;
+    bool keyed = l->options->key != NULL, proves = v->kind == VISITOR_PROVES,
+         asks = f->type == MESSAGE_STATUS;
     const char *who = (proves ? v->role == AUTH_ASKER : asks) ? "who asks for the status" : "the client";
     enum message_type due = proves ? MESSAGE_PROOF : asks || !keyed ? MESSAGE_STATUS : MESSAGE_KNOCK;
     if (f->type != due)
         return dm2_fail(err, DM2_PROTOCOL, "%s sent %s where %s is due", who, message_name(f->type, name[0]),
                         message_name((uint8_t)due, name[1]));
     if (f->length != AUTH_NONCE)
-        return dm2_fail(err, DM2_PROTOCOL, "%s sent a %s message of %zu bytes", who, message_name(f->type, name[0]),
-                        f->length);
+        return dm2_fail(err, DM2_PROTOCOL, "%s sent a %s message of %zu bytes", who,
+                        message_name(f->type, name[0]), f->length);
     if (proves)
         return admit(l, v, f->payload, what, err);
     if (!keyed) {
@@ -200,11 +211,10 @@ static enum dm2_status attend(struct lobby *l, struct visitor *v, enum turn_out 
     return status == DM2_OK && complete ? take_message(l, v, &f, what, err) : status;
 }
 
-/* --- without a key: who has not said what it wants -----------------------------------------------------------
- */
+/* --- without a key: who has not said what it wants --- */
 
-/* What cannot become a session is told apart only while the server is busy: otherwise the session says what was wrong,
- * also of one that is vague at the second look. */
+/* What cannot become a session is told apart only while the server is busy: otherwise the session says what
+ * was wrong, also of one that is vague at the second look. */
 static const char *look_at(struct lobby *l, struct visitor *v, enum turn_out *what)
 {
     unsigned char head[TYPE_AT + 1], magic[4];
@@ -241,8 +251,7 @@ static bool has_first_message(const struct visitor *v)
     return h.length <= got - FRAME_HEADER;
 }
 
-/* --- all together ------------------------------------------------------------------------------------------
- */
+/* --- all together --- */
 
 static bool is_free(const struct lobby *l)
 {
@@ -277,7 +286,8 @@ static void make_rounds(struct lobby *l)
         if (why != NULL) {
             refuse(l, k, why);
         } else if (what == IS_ONE_TOO_MANY) {
-            send_away(l, k, DM2_NET, "too many clients wait for it already", "refused: as many clients wait as may");
+            send_away(l, k, DM2_NET, "too many clients wait for it already",
+                      "refused: as many clients wait as may");
         } else if (what == IS_ANSWERED) {
             say(l, SERVER_CONNECTED, v->channel.name, "asked for the status");
             channel_hang_up(&v->channel, deadline_in(0, -1));
@@ -296,7 +306,8 @@ void lobby_enter(struct lobby *l, int fd, const char *peer)
     channel_open(&v->channel, fd, PROTOCOL_VERSION, peer);
 }
 
-/* The oldest of those who may be strangers: who has not proved the key, without one who has not said a whole message. */
+/* The oldest of those who may be strangers: who has not proved the key, without one who has not said a whole
+ * message. */
 static size_t oldest_unknown(const struct lobby *l)
 {
     size_t k = 0;

@@ -195,8 +195,8 @@ static void put_spread(struct bytes_writer *w, const struct spread *s)
     bytes_put_f64(w, s->close);
 }
 
-/* Of no element the box is infinite, and so is what was not looked at; a number that is none would hide the others' in a
- * comparison. */
+/* Of no element the box is infinite, and so is what was not looked at; a number that is none would hide the
+ * others' in a comparison. */
 static void get_spread(struct bytes_reader *r, struct spread *s)
 {
     bytes_get_f64s(r, s->low, 2);

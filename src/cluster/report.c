@@ -65,11 +65,13 @@ static void add_log(struct bytes_writer *w, const struct run_report *r)
         const struct server_report *s = &r->servers[k];
         const struct server_times *t = &s->times;
         add(w,
-            "subdomain %d: %s, %zu cells, %llu elements, %llu mirrored, %.1f MB, %.0f bytes per element; forces %.3f s "
-            "(%.3f s ahead of messages), integration %.3f s, rebuilds %.3f s, packing %.3f s, waiting %.3f s, unpacking %.3f s\n",
+            "subdomain %d: %s, %zu cells, %llu elements, %llu mirrored, %.1f MB, %.0f bytes per element; "
+            "forces %.3f s "
+            "(%.3f s ahead of messages), integration %.3f s, rebuilds %.3f s, packing %.3f s, waiting %.3f "
+            "s, unpacking %.3f s\n",
             k, s->name, s->cells, (unsigned long long)s->owned, (unsigned long long)s->mirrored,
-            1e-6 * (double)s->bytes, s->owned > 0 ? (double)s->bytes / (double)s->owned : 0.0, t->forces, t->ahead,
-            t->integrate, t->rebuild, t->pack, t->wait, t->unpack);
+            1e-6 * (double)s->bytes, s->owned > 0 ? (double)s->bytes / (double)s->owned : 0.0, t->forces,
+            t->ahead, t->integrate, t->rebuild, t->pack, t->wait, t->unpack);
     }
 }
 
@@ -83,10 +85,11 @@ static void add_number(struct bytes_writer *w, double x)
 
 static void add_table(struct bytes_writer *w, const struct run_report *r)
 {
-    add(w, "server,host,cells,elements,mirrored,bytes,steps,forces [s],ahead [s],integrate [s],rebuild [s],pack "
-           "[s],wait [s],"
-           "unpack [s],output "
-           "[s],cpu [s],rebuilds,migrants,mirrored_steps,messages_in,messages_out,bytes_in,bytes_out\n");
+    add(w,
+        "server,host,cells,elements,mirrored,bytes,steps,forces [s],ahead [s],integrate [s],rebuild [s],pack "
+        "[s],wait [s],"
+        "unpack [s],output "
+        "[s],cpu [s],rebuilds,migrants,mirrored_steps,messages_in,messages_out,bytes_in,bytes_out\n");
     for (int k = 0; k < r->ranks; k++) {
         const struct server_report *s = &r->servers[k];
         const struct server_times *t = &s->times;

@@ -5,10 +5,10 @@
  * client and frees everything. Nothing survives a session: the next client meets a server as fresh as the
  * first did.
  *
- * A step: forces, move, pack, one STEP message out, one NEXT message in, take. Between the two messages the forces of the
- * next step begin, for all pairs that need nothing from the message. What the client asked for with
- * its last NEXT decides whether the segments are updates or the parcels of a rebuild; with `redo` it asks for
- * the latter after all, and the same step is sent again. */
+ * A step: forces, move, pack, one STEP message out, one NEXT message in, take. Between the two messages the
+ * forces of the next step begin, for all pairs that need nothing from the message. What the client asked for
+ * with its last NEXT decides whether the segments are updates or the parcels of a rebuild; with `redo` it
+ * asks for the latter after all, and the same step is sent again. */
 #include "dm2/cluster/server.h"
 
 #include <math.h>
@@ -54,9 +54,9 @@ struct session {
     double quiet_since;      /* the last message, from here or from there */
     double alive_every;      /* seconds of work from then until ALIVE, and from one to the next */
     struct dm2_error unsaid; /* what came of the one that could not be sent */
-    double heard; /* when the last message had come: work since then is `busy` */
-    double ahead; /* seconds of work on this step before that */
-    bool counts;  /* the processor's seconds, since `counted`; see count_cpu */
+    double heard;            /* when the last message had come: work since then is `busy` */
+    double ahead;            /* seconds of work on this step before that */
+    bool counts;             /* the processor's seconds, since `counted`; see count_cpu */
     double counted;
     struct server_times times;
 };
@@ -110,8 +110,8 @@ static enum dm2_status check_type(const struct frame *f, enum message_type type,
 }
 
 /* Waits for a frame, and meanwhile looks after those who stand outside. */
-static enum dm2_status receive_frame(struct session *s, uint32_t limit, struct deadline until, struct frame *f,
-                                     struct dm2_error *err)
+static enum dm2_status receive_frame(struct session *s, uint32_t limit, struct deadline until,
+                                     struct frame *f, struct dm2_error *err)
 {
     bool complete = false;
     enum dm2_status status = DM2_OK;
@@ -119,7 +119,8 @@ static enum dm2_status receive_frame(struct session *s, uint32_t limit, struct d
         status = channel_receive_some(&s->channel, limit, &complete, f, err);
     while (status == DM2_OK && !complete) {
         if (!lobby_wait(s->lobby, s->channel.fd, until))
-            return channel_receive(&s->channel, limit, until, f, err); /* which also says why there is nothing */
+            return channel_receive(&s->channel, limit, until, f,
+                                   err); /* which also says why there is nothing */
         status = channel_receive_some(&s->channel, limit, &complete, f, err);
     }
     return status;
@@ -152,8 +153,7 @@ static enum dm2_status not_decoded(const char *what, struct dm2_error *err)
     return dm2_fail(err, DM2_PROTOCOL, "the client's %s message does not decode", what);
 }
 
-/* --- before the steps -------------------------------------------------------------------------------------
- */
+/* --- before the steps --- */
 
 static enum dm2_status shake_hands(struct session *s, struct dm2_error *err)
 {
@@ -227,8 +227,9 @@ static bool read_own_copy(struct session *s)
     char *path = server_deck_path(s->options->deck_dir, s->deck.name);
     struct deck_source own;
     struct dm2_error ignored;
-    bool found = path != NULL && deck_source_read_some(path, may_read, (void *)(uintptr_t)s->options->deck_dir, &own,
-                                                       &ignored) == DM2_OK;
+    bool found =
+        path != NULL && deck_source_read_some(path, may_read, (void *)(uintptr_t)s->options->deck_dir, &own,
+                                              &ignored) == DM2_OK;
     free(path);
     if (!found)
         return false;
@@ -268,20 +269,23 @@ static enum dm2_status check_steps(const struct session *s, struct dm2_error *er
     int64_t most = s->options->max_steps;
     if (most == 0 || s->config.steps <= most)
         return DM2_OK;
-    return dm2_fail(err, DM2_DECK, "the deck has %lld time steps, this server takes at most %lld: dm2-server --max-steps N",
+    return dm2_fail(err, DM2_DECK,
+                    "the deck has %lld time steps, this server takes at most %lld: dm2-server --max-steps N",
                     (long long)s->config.steps, (long long)most);
 }
 
-/* Before the work that the limit is to prevent: some four times as many are counted, and taken or not for their number; what is
- * beyond is not begun. */
+/* Before the work that the limit is to prevent: some four times as many are counted, and taken or not for
+ * their number; what is beyond is not begun. */
 static enum dm2_status check_estimate(const struct session *s, struct dm2_error *err)
 {
     const struct model_estimate e = model_estimate(&s->config);
     double most = (double)s->options->max_elements;
-    if (most == 0 || (e.elements <= 4 * most + 0x1p16 && e.places <= 64 * most + 0x1p20 && e.cells <= 64 * most + 0x1p20))
+    if (most == 0 ||
+        (e.elements <= 4 * most + 0x1p16 && e.places <= 64 * most + 0x1p20 && e.cells <= 64 * most + 0x1p20))
         return DM2_OK;
     return dm2_fail(err, DM2_DECK,
-                    "the deck makes about %.3g elements from %.3g lattice sites in %.3g cells, this server takes at most %.0f: "
+                    "the deck makes about %.3g elements from %.3g lattice sites in %.3g cells, this server "
+                    "takes at most %.0f: "
                     "dm2-server --max-elements N",
                     e.elements, e.places, e.cells, most);
 }
@@ -291,8 +295,10 @@ static enum dm2_status check_elements(const struct session *s, struct dm2_error 
     uint64_t most = s->options->max_elements;
     if (most == 0 || model_elements(s->model) <= most)
         return DM2_OK;
-    return dm2_fail(err, DM2_DECK, "the deck makes %zu elements, this server takes at most %llu: dm2-server --max-elements N",
-                    model_elements(s->model), (unsigned long long)most);
+    return dm2_fail(
+        err, DM2_DECK,
+        "the deck makes %zu elements, this server takes at most %llu: dm2-server --max-elements N",
+        model_elements(s->model), (unsigned long long)most);
 }
 
 static enum dm2_status load_deck(struct session *s, struct dm2_error *err)
@@ -313,8 +319,8 @@ static enum dm2_status load_deck(struct session *s, struct dm2_error *err)
     return status == DM2_OK ? check_elements(s, err) : status;
 }
 
-/* Waits for DECK; what comes before it is sent back as it is, so that the client can time the way there and back.
- * With summary->measured that was all it came for. */
+/* Waits for DECK; what comes before it is sent back as it is, so that the client can time the way there and
+ * back. With summary->measured that was all it came for. */
 static enum dm2_status expect_deck(struct session *s, struct bytes_reader *out, struct dm2_error *err)
 {
     struct frame f;
@@ -440,8 +446,8 @@ static enum dm2_status get_state(struct session *s, struct dm2_error *err)
             status = take_part(&in, s->model, &m, &r, err);
     }
     if (status == DM2_OK)
-        status = subdomain_restore(s->model, &s->map, s->assign.rank, m.step, in.elements, in.n_elements, in.pairs,
-                                   in.n_pairs, &s->sd, err);
+        status = subdomain_restore(s->model, &s->map, s->assign.rank, m.step, in.elements, in.n_elements,
+                                   in.pairs, in.n_pairs, &s->sd, err);
     free(in.elements);
     free(in.pairs);
     free(in.seen);
@@ -488,11 +494,10 @@ static enum dm2_status send_ready(struct session *s, struct dm2_error *err)
     return send_out(s, MESSAGE_READY, err);
 }
 
-/* --- states -----------------------------------------------------------------------------------------------
- */
+/* --- states --- */
 
-/* The processor's seconds count while it computes, packs and unpacks, from here to the call that ends it; not while it sends,
- * receives and waits, which costs seconds of its own in the system. */
+/* The processor's seconds count while it computes, packs and unpacks, from here to the call that ends it; not
+ * while it sends, receives and waits, which costs seconds of its own in the system. */
 static bool count_cpu(struct session *s, bool on)
 {
     double now = clock_cpu();
@@ -566,8 +571,7 @@ static enum dm2_status send_profiles(struct session *s, struct dm2_error *err)
     return status;
 }
 
-/* --- steps ------------------------------------------------------------------------------------------------
- */
+/* --- steps --- */
 
 /* Adds up the engine's own times; returns the seconds of rebuilds among them. */
 static double tally(struct session *s)
@@ -633,8 +637,8 @@ static enum dm2_status get_next(struct session *s, int64_t step, struct next_mes
     return DM2_OK;
 }
 
-/* While the others' states are on the way: what of the next step needs none of them. A client on the same processor gets it
- * first, or the message would lie there until this work is done. */
+/* While the others' states are on the way: what of the next step needs none of them. A client on the same
+ * processor gets it first, or the message would lie there until this work is done. */
 static void work_ahead(struct session *s, int64_t step)
 {
     if (step == s->config.steps)
@@ -751,8 +755,7 @@ static enum dm2_status finish(struct session *s, struct dm2_error *err)
     return send_out(s, MESSAGE_DONE, err);
 }
 
-/* --- the session ------------------------------------------------------------------------------------------
- */
+/* --- the session --- */
 
 static void tell_client(struct session *s, const struct dm2_error *err)
 {
@@ -791,11 +794,15 @@ static enum dm2_status serve_run(struct session *s, struct dm2_error *err)
 
 /* The session of a client from the lobby, which is looked after meanwhile. The channel is taken over. */
 static enum dm2_status serve_client(const struct channel *client, const struct server_options *options,
-                                    struct lobby *lobby, struct session_summary *summary, struct dm2_error *err)
+                                    struct lobby *lobby, struct session_summary *summary,
+                                    struct dm2_error *err)
 {
-    struct session s = {
-        .options = options, .lobby = lobby, .summary = summary, .timeout = options->timeout, .channel = *client,
-        .alive_every = ALIVE_SECONDS};
+    struct session s = {.options = options,
+                        .lobby = lobby,
+                        .summary = summary,
+                        .timeout = options->timeout,
+                        .channel = *client,
+                        .alive_every = ALIVE_SECONDS};
     double start = s.quiet_since = clock_now();
     *summary = (struct session_summary){.rank = -1};
     lobby->business = (struct lobby_business){.peer = client->name, .since = start, .session = summary};
@@ -822,7 +829,8 @@ enum dm2_status server_session(int fd, const char *peer, const struct server_opt
     *summary = (struct session_summary){.rank = -1};
     lobby_open(&lobby, -1, options, NULL, NULL);
     lobby_enter(&lobby, fd, peer);
-    enum dm2_status status = lobby_next(&lobby, deadline_in(options->handshake, options->cancel), &client, err);
+    enum dm2_status status =
+        lobby_next(&lobby, deadline_in(options->handshake, options->cancel), &client, err);
     if (status == DM2_OK)
         status = serve_client(&client, options, &lobby, summary, err);
     lobby_close(&lobby);
@@ -857,7 +865,8 @@ enum dm2_status server_serve(int listener, const struct server_options *options,
     for (bool over = false; !over;) {
         struct channel client;
         struct session_summary summary;
-        status = lobby_next(&lobby, deadline_in(once ? options->timeout : for_ever, options->cancel), &client, err);
+        status = lobby_next(&lobby, deadline_in(once ? options->timeout : for_ever, options->cancel), &client,
+                            err);
         if (status == DM2_TIMEOUT && !once)
             continue;
         if (status == DM2_TIMEOUT)

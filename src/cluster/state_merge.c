@@ -58,7 +58,8 @@ enum dm2_status state_merge_add(struct state_merge *m, const struct state_messag
     if (bytes_remaining(r) / WIRE_ELEMENT < head->n_elements)
         return bad_record(err);
     if (m->n_pairs + head->n_pairs > WIRE_PAIRS_MOST * m->limits.elements)
-        return dm2_fail(err, DM2_PROTOCOL, "a state came with more than %d pairs per element", WIRE_PAIRS_MOST);
+        return dm2_fail(err, DM2_PROTOCOL, "a state came with more than %d pairs per element",
+                        WIRE_PAIRS_MOST);
     uint32_t *ids = mem_alloc(head->n_elements, sizeof *ids);
     if (ids == NULL)
         return dm2_fail(err, DM2_MEMORY, "no memory to compile a state");

@@ -1,5 +1,5 @@
-/* Parts: elements first, then pairs; the last part says so. A share is made of what the cells say: who owns an
- * element's cell and who mirrors it, as the engine decides it. */
+/* Parts: elements first, then pairs; the last part says so. A share is made of what the cells say: who owns
+ * an element's cell and who mirrors it, as the engine decides it. */
 #include "state_parts.h"
 
 #include <stdlib.h>

@@ -18,12 +18,13 @@ struct state_parts {
     size_t elements_done, pairs_done;
 };
 
-/* Writes the next part, of at most LIMIT_STATE bytes, in place of what `out` held. False once the last part has been
- * written. */
+/* Writes the next part, of at most LIMIT_STATE bytes, in place of what `out` held. False once the last part
+ * has been written. */
 bool state_parts_next(struct state_parts *parts, struct bytes_writer *out);
 
-/* The elements that `rank` owns or mirrors, and the pairs that touch one that it owns: all that subdomain_restore
- * needs. Elements have ids 0 .. n_elements-1, in this order. Both arrays are malloc'd. DM2_MEMORY. */
+/* The elements that `rank` owns or mirrors, and the pairs that touch one that it owns: all that
+ * subdomain_restore needs. Elements have ids 0 .. n_elements-1, in this order. Both arrays are malloc'd.
+ * DM2_MEMORY. */
 enum dm2_status state_share(const struct decomposition *d, int rank, const struct element *elements,
                             size_t n_elements, const struct pair_record *pairs, size_t n_pairs,
                             struct element **out, size_t *n_out, struct pair_record **pairs_out,

@@ -43,7 +43,7 @@ struct deck_place binding_place(const struct deck_binding *b, size_t block, cons
     return i < entry->n ? b->tree->nodes[b->tree->values[entry->first + i]].place : entry->key;
 }
 
-/* --- which blocks there are --------------------------------------------------------------------------- */
+/* --- which blocks there are --- */
 
 static struct deck_place name_of(const struct deck_binding *b, size_t block, size_t i)
 {
@@ -164,7 +164,7 @@ static void check_missing_blocks(struct deck_binding *b)
     }
 }
 
-/* --- the things that blocks describe ------------------------------------------------------------------ */
+/* --- the things that blocks describe --- */
 
 /* How many blocks of this kind have a good head; their indices go to `blocks`. */
 static size_t collect(struct deck_binding *b, enum block_kind kind, size_t max, size_t *blocks, size_t used)
@@ -302,7 +302,8 @@ static bool bind_materials(struct deck_binding *b)
 }
 
 /* The constants that the deck does not give are those of the phase it forms from, which stands before it. */
-static void inherit(struct deck_binding *b, size_t block, const struct material_config *from, struct material_config *to)
+static void inherit(struct deck_binding *b, size_t block, const struct material_config *from,
+                    struct material_config *to)
 {
     const struct block_schema *schema = schema_block(BLOCK_PHASE);
     for (size_t i = 0; i < schema->n_keys; i++) {
@@ -474,7 +475,7 @@ static bool bind_flaws(struct deck_binding *b)
     return n == 0 || name_things(b, b->flaw_block, n, c->flaws[0].name, sizeof *c->flaws);
 }
 
-/* --- interactions ------------------------------------------------------------------------------------- */
+/* --- interactions --- */
 
 static bool rule_head(struct deck_binding *b, size_t block, struct interaction_rule *rule)
 {

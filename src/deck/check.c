@@ -56,9 +56,10 @@ static void check_profiles(const struct deck_binding *b)
         const double *range = c->profiles[i].range;
         struct number_text from, to;
         if (range[0] >= range[1] && binding_given(b, b->profile_block[i], "range"))
-            findings_error(b->findings, binding_place(b, b->profile_block[i], "range", 0),
-                           "the range of a profile goes from a smaller to a larger coordinate, not from %s to %s cm",
-                           number_text(range[0], &from), number_text(range[1], &to));
+            findings_error(
+                b->findings, binding_place(b, b->profile_block[i], "range", 0),
+                "the range of a profile goes from a smaller to a larger coordinate, not from %s to %s cm",
+                number_text(range[0], &from), number_text(range[1], &to));
     }
 }
 

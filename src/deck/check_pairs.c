@@ -138,9 +138,11 @@ static void check_yield(const struct pair_check *p)
     size_t block = p->b->material_block[m];
     if (p->materials[1] == m && !set(p, "kt_ratio") && p->b->config->materials[m].yield > 0 &&
         binding_given(p->b, block, "yield") && binding_missing(p->b, block, "shear"))
-        findings_warn(p->b->findings, binding_place(p->b, block, "yield", 0),
-                      "'yield' bounds the shear stiffness, and without 'shear' (or 'kt_ratio' in the interaction) '%s' "
-                      "has none", p->b->config->materials[m].name);
+        findings_warn(
+            p->b->findings, binding_place(p->b, block, "yield", 0),
+            "'yield' bounds the shear stiffness, and without 'shear' (or 'kt_ratio' in the interaction) '%s' "
+            "has none",
+            p->b->config->materials[m].name);
 }
 
 static void check_ranges(const struct pair_check *p)

@@ -67,7 +67,8 @@ const char *config_kind_name(const struct config *c, size_t kind, struct kind_na
     return out->text;
 }
 
-enum dm2_status config_fail(const char *place, struct dm2_error *err, enum dm2_status status, const char *format, ...)
+enum dm2_status config_fail(const char *place, struct dm2_error *err, enum dm2_status status,
+                            const char *format, ...)
 {
     char message[400];
     va_list args;

@@ -108,7 +108,7 @@ void findings_warn(struct findings *f, struct deck_place place, const char *form
     va_end(args);
 }
 
-/* --- rendering ---------------------------------------------------------------------------------------- */
+/* --- rendering --- */
 
 struct output {
     char *text;

@@ -45,8 +45,8 @@ void findings_warn(struct findings *f, struct deck_place place, const char *form
 /* The report, sorted by place; malloc'd, NULL where memory lacks. */
 char *findings_render(struct findings *f);
 
-/* A place as a text that outlives the deck, for config_fail (dm2/deck/config.h): "file:line:column", and below it the line
- * and a caret, as in the report; malloc'd, NULL where memory lacks. */
+/* A place as a text that outlives the deck, for config_fail (dm2/deck/config.h): "file:line:column", and
+ * below it the line and a caret, as in the report; malloc'd, NULL where memory lacks. */
 char *findings_place(const struct findings *f, struct deck_place place);
 
 /* The bytes at a place; not NUL-terminated, place.length of them. */

@@ -102,7 +102,7 @@ static void name_copy(const struct findings *f, struct deck_place place, char ou
     out[place.length] = '\0';
 }
 
-/* --- let and -D --------------------------------------------------------------------------------------- */
+/* --- let and -D --- */
 
 static void parse_let(struct deck_parser *p)
 {
@@ -230,7 +230,7 @@ static bool parse_defines(struct parse *parse)
     return ok;
 }
 
-/* --- blocks ------------------------------------------------------------------------------------------- */
+/* --- blocks --- */
 
 /* Reads the values of an entry up to the end of the statement. */
 static void parse_values(struct deck_parser *p, size_t entry)
@@ -396,7 +396,7 @@ static void parse_block(struct deck_parser *p)
     parse_body(p, tree->n_blocks - 1);
 }
 
-/* --- texts -------------------------------------------------------------------------------------------- */
+/* --- texts --- */
 
 static int find_text(const struct deck_source *source, const char *name)
 {

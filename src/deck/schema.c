@@ -101,17 +101,20 @@ static const struct deck_key material_keys[] = {
      .offset = offsetof(struct material_config, kappa), .meaning = "heat conductivity"},
 };
 
-#define PHASE(f) .offset = offsetof(struct phase_config, f)
+#define PHASE(f)    .offset = offsetof(struct phase_config, f)
 #define REACTION(f) .offset = offsetof(struct reaction_config, f)
 static const struct deck_key phase_keys[] = {
     {"from", VALUE_NAME, 1, PLAIN, ANY, .initial = "the material itself", PHASE(from_name),
      .meaning = "the phase that it forms from: one of the same material and before this one"},
-    {"transition", VALUE_CHOICE, 1, PLAIN, ANY, .choices = "pressure|temperature", .required = true, PHASE(transition),
-     .meaning = "it forms above a pressure, P > p_line + dp_dt (T - t_line), or above a temperature, T > t_line + dt_dp (P - "
+    {"transition", VALUE_CHOICE, 1, PLAIN, ANY, .choices = "pressure|temperature", .required = true,
+     PHASE(transition),
+     .meaning = "it forms above a pressure, P > p_line + dp_dt (T - t_line), or above a temperature, T > "
+                "t_line + dt_dp (P - "
                 "p_line)"},
     {"reversible", VALUE_FLAG, 1, PLAIN, ANY, .choices = "no|yes", .initial = "yes", PHASE(reversible),
      .meaning = "does it go back below its line"},
-    {"p_line", VALUE_REAL, 1, STRESS, ANY, .initial = "0", PHASE(p_line), .meaning = "pressure of one point of the line"},
+    {"p_line", VALUE_REAL, 1, STRESS, ANY, .initial = "0", PHASE(p_line),
+     .meaning = "pressure of one point of the line"},
     {"t_line", VALUE_REAL, 1, TEMPERATURE, NOT_NEGATIVE, .required = true, PHASE(t_line),
      .meaning = "temperature of that point, at which `latent` is meant"},
     {"dp_dt", VALUE_REAL, 1, DIM(-1, 1, -2, -1), ANY, .initial = "0", PHASE(dp_dt),
@@ -120,7 +123,8 @@ static const struct deck_key phase_keys[] = {
      .meaning = "slope of the line of a transition by temperature"},
     {"hysteresis_p", VALUE_REAL, 1, STRESS, NOT_NEGATIVE, .initial = "0", PHASE(hysteresis_p),
      .meaning = "a transition by pressure goes back where P is so much below the line"},
-    {"hysteresis_t", VALUE_REAL, 1, TEMPERATURE, NOT_NEGATIVE, .initial = "a tenth more than latent/cp", PHASE(hysteresis_t),
+    {"hysteresis_t", VALUE_REAL, 1, TEMPERATURE, NOT_NEGATIVE, .initial = "a tenth more than latent/cp",
+     PHASE(hysteresis_t),
      .meaning = "a transition by temperature goes back where T is so much below the line"},
     {"latent", VALUE_REAL, 1, SPECIFIC_ENERGY, ANY, .initial = "0", PHASE(latent),
      .meaning = "heat per mass that forming it takes up; negative: sets free"},
@@ -151,18 +155,20 @@ static const struct deck_key reaction_keys[] = {
      .meaning = "the two materials that react where elements of them touch"},
     {"product", VALUE_MATERIALS, 1, PLAIN, ANY, .required = true, REACTION(product),
      .meaning = "the material that they become"},
-    {"kind", VALUE_CHOICE, 1, PLAIN, ANY, .choices = "stoichiometric|non-stoichiometric", .initial = "stoichiometric",
-     REACTION(kind),
+    {"kind", VALUE_CHOICE, 1, PLAIN, ANY, .choices = "stoichiometric|non-stoichiometric",
+     .initial = "stoichiometric", REACTION(kind),
      .meaning = "do the reactants go in the proportion of `masses` or of what the two elements hold"},
-    {"masses", VALUE_REAL, 2, PLAIN, POSITIVE, .initial = "none: only for non-stoichiometric", REACTION(masses),
-     .meaning = "masses of the reactants that react with each other, such as molar masses"},
+    {"masses", VALUE_REAL, 2, PLAIN, POSITIVE, .initial = "none: only for non-stoichiometric",
+     REACTION(masses), .meaning = "masses of the reactants that react with each other, such as molar masses"},
     {"k0", VALUE_REAL, 1, DIM(-2, 1, -1, 0), POSITIVE, .required = true, REACTION(k0),
      .meaning = "mass of product per area of contact and time, k0 exp(-ea/(R T))"},
-    {"ea", VALUE_REAL, 1, MOLAR_ENERGY, NOT_NEGATIVE, .required = true, REACTION(ea), .meaning = "activation energy"},
+    {"ea", VALUE_REAL, 1, MOLAR_ENERGY, NOT_NEGATIVE, .required = true, REACTION(ea),
+     .meaning = "activation energy"},
     {"heat", VALUE_REAL, 1, SPECIFIC_ENERGY, ANY, .required = true, REACTION(heat),
      .meaning = "heat that a mass of product sets free"},
-    {"threshold", VALUE_REAL, 1, PLAIN, .low = 0, .low_open = true, .high = 1, .high_open = true, .initial = "0.01",
-     REACTION(threshold), .meaning = "an element that holds less of the reactants than this becomes the product material"},
+    {"threshold", VALUE_REAL, 1, PLAIN, .low = 0, .low_open = true, .high = 1, .high_open = true,
+     .initial = "0.01", REACTION(threshold),
+     .meaning = "an element that holds less of the reactants than this becomes the product material"},
 };
 #undef PHASE
 #undef REACTION
@@ -296,8 +302,8 @@ static const struct deck_key profile_keys[] = {
      .meaning = "how many bins"},
     {"range", VALUE_REAL, 2, LENGTH, ANY, .initial = "the domain", FIELD(range),
      .meaning = "from where to where the bins reach; elements outside are in none"},
-    {"every", VALUE_WHOLE, 1, PLAIN, .low = 1, .high = HUGE_VAL, .initial = "steps/20, at least 1", FIELD(every),
-     .meaning = "steps between profiles; the last state has one in any case"},
+    {"every", VALUE_WHOLE, 1, PLAIN, .low = 1, .high = HUGE_VAL, .initial = "steps/20, at least 1",
+     FIELD(every), .meaning = "steps between profiles; the last state has one in any case"},
 };
 #undef FIELD
 

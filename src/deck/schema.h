@@ -27,18 +27,18 @@ enum block_kind {
 };
 
 enum value_type {
-    VALUE_REAL,     /* `count` doubles */
-    VALUE_WHOLE,    /* one int64_t or uint64_t from 0 to 2^53 */
-    VALUE_CHOICE,   /* one word of `choices`, stored as an int: its index */
-    VALUE_FLAG,     /* `count` words of two choices, stored as bools: is it the second? */
-    VALUE_SHAPE,    /* rectangle | disc | polygon and lengths */
-    VALUE_MATERIAL, /* the name of a material */
+    VALUE_REAL,      /* `count` doubles */
+    VALUE_WHOLE,     /* one int64_t or uint64_t from 0 to 2^53 */
+    VALUE_CHOICE,    /* one word of `choices`, stored as an int: its index */
+    VALUE_FLAG,      /* `count` words of two choices, stored as bools: is it the second? */
+    VALUE_SHAPE,     /* rectangle | disc | polygon and lengths */
+    VALUE_MATERIAL,  /* the name of a material */
     VALUE_MATERIALS, /* `count` names of materials, stored as ints: their indices */
-    VALUE_NAME,     /* one word, stored as a name_text */
-    VALUE_BODY,     /* the name of a body */
-    VALUE_MIX,      /* names of materials, each with a fraction */
-    VALUE_STEPS,    /* a list of steps */
-    VALUE_FORMATS   /* a list of vtp, xyz */
+    VALUE_NAME,      /* one word, stored as a name_text */
+    VALUE_BODY,      /* the name of a body */
+    VALUE_MIX,       /* names of materials, each with a fraction */
+    VALUE_STEPS,     /* a list of steps */
+    VALUE_FORMATS    /* a list of vtp, xyz */
 };
 
 struct deck_key {

@@ -75,7 +75,7 @@ static bool have_text(const struct deck_source *source, const char *name)
 /* While a deck is read. */
 struct reading {
     struct deck_source *source;
-    size_t room, budget; /* bytes and tokens that it may still have */
+    size_t room, budget;                          /* bytes and tokens that it may still have */
     bool (*may)(void *context, const char *name); /* NULL: everything */
     void *context;
 };
@@ -104,8 +104,8 @@ static enum dm2_status add_file(struct reading *reading, char *name, const char 
     return status;
 }
 
-static enum dm2_status read_included(struct reading *reading, size_t includer, const struct tokens *tokens, size_t at,
-                                     struct dm2_error *err)
+static enum dm2_status read_included(struct reading *reading, size_t includer, const struct tokens *tokens,
+                                     size_t at, struct dm2_error *err)
 {
     const struct deck_source *source = reading->source;
     const struct deck_text text = source->texts[includer];
@@ -141,7 +141,8 @@ static enum dm2_status read_includes(struct reading *reading, size_t text, struc
     if (ignored == NULL)
         return dm2_fail(err, DM2_MEMORY, "no memory to read the deck");
     findings_start(ignored, source);
-    (void)deck_lex(source->texts[text].text, source->texts[text].length, (int)text, &reading->budget, &tokens, ignored);
+    (void)deck_lex(source->texts[text].text, source->texts[text].length, (int)text, &reading->budget, &tokens,
+                   ignored);
     int open = 0;
     bool begins = true;
     for (size_t i = 0; status == DM2_OK && i + 1 < tokens.n; i++) {
@@ -163,8 +164,8 @@ enum dm2_status deck_source_read(const char *path, struct deck_source *out, stru
     return deck_source_read_some(path, NULL, NULL, out, err);
 }
 
-enum dm2_status deck_source_read_some(const char *path, bool (*may)(void *context, const char *name), void *context,
-                                      struct deck_source *out, struct dm2_error *err)
+enum dm2_status deck_source_read_some(const char *path, bool (*may)(void *context, const char *name),
+                                      void *context, struct deck_source *out, struct dm2_error *err)
 {
     struct reading reading = {
         .source = out, .room = DECK_MAX_BYTES, .budget = DECK_MAX_TOKENS, .may = may, .context = context};

@@ -178,7 +178,7 @@ static bool read_words(struct deck_binding *b, const struct deck_key *key, const
     return ok;
 }
 
-/* --- shapes ------------------------------------------------------------------------------------------- */
+/* --- shapes --- */
 
 static bool shape_count(struct deck_binding *b, const struct deck_entry *entry, const char *what, size_t want)
 {
@@ -231,7 +231,7 @@ static bool read_shape(struct deck_binding *b, const struct deck_key *key, const
     return ok;
 }
 
-/* --- materials ---------------------------------------------------------------------------------------- */
+/* --- materials --- */
 
 static const char *material_name(const void *context, size_t i)
 {
@@ -254,7 +254,8 @@ int binding_material(struct deck_binding *b, struct deck_place name)
     return -1;
 }
 
-static bool read_materials(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry, int *out)
+static bool read_materials(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
+                           int *out)
 {
     bool ok = true;
     if (!count_is(b, key, entry, (size_t)key->count))
@@ -266,7 +267,8 @@ static bool read_materials(struct deck_binding *b, const struct deck_key *key, c
     return ok;
 }
 
-static bool read_name(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry, char *out)
+static bool read_name(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
+                      char *out)
 {
     struct place_text text;
     if (!count_is(b, key, entry, 1))
@@ -354,7 +356,7 @@ static bool read_material(struct deck_binding *b, const struct deck_key *key, co
     return body->n_mix == 1;
 }
 
-/* --- output ------------------------------------------------------------------------------------------- */
+/* --- output --- */
 
 static int compare_steps(const void *a, const void *b)
 {

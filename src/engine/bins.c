@@ -1,5 +1,5 @@
-/* A counting sort. Where nothing is periodic the last bins reach beyond the elements, so that edges are no longer than asked
- * for; along a periodic side they divide the domain. */
+/* A counting sort. Where nothing is periodic the last bins reach beyond the elements, so that edges are no
+ * longer than asked for; along a periodic side they divide the domain. */
 #include "bins.h"
 
 #include <math.h>
@@ -8,7 +8,8 @@
 
 #include "dm2/base/mem.h"
 
-bool bins_lay_out(struct bins *b, const struct grid *cells, const double *r, size_t n, double reach, double most)
+bool bins_lay_out(struct bins *b, const struct grid *cells, const double *r, size_t n, double reach,
+                  double most)
 {
     double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, size[2];
     for (size_t i = 0; i < n; i++) {
@@ -24,7 +25,8 @@ bool bins_lay_out(struct bins *b, const struct grid *cells, const double *r, siz
         size[a] = given ? cells->size[a] : edge * (floor((high[a] - low[a]) / edge) + 1.0);
         low[a] = given ? cells->origin[a] : low[a];
     }
-    return grid_build(low, size, cells->periodic, reach, &b->grid, NULL) == DM2_OK && (double)b->grid.cx * b->grid.cy <= most;
+    return grid_build(low, size, cells->periodic, reach, &b->grid, NULL) == DM2_OK &&
+           (double)b->grid.cx * b->grid.cy <= most;
 }
 
 static int hold(uint32_t **array, size_t *cap, size_t n)

@@ -1,5 +1,5 @@
-/* Which cells a subdomain sees. A cell is mirrored where it surrounds an own cell and belongs to another rank: the
- * outer boundary of the paper (section 5.1), the neighbours' inner boundary. */
+/* Which cells a subdomain sees. A cell is mirrored where it surrounds an own cell and belongs to another
+ * rank: the outer boundary of the paper (section 5.1), the neighbours' inner boundary. */
 #include "cells.h"
 
 #include <stdlib.h>

@@ -1,8 +1,10 @@
-/* The cells that one subdomain sees: its own and those it mirrors, with who is in them and who is around them.
+/* The cells that one subdomain sees: its own and those it mirrors, with who is in them and who is around
+ * them.
  *
- * Local numbering, each in the order of the global numbers (row by row): own cells that no mirrored cell surrounds, 0 ..
- * n_inside-1, own cells at the edge up to n_own-1, then the mirrored ones. Owned elements are kept in cell order, so an own
- * cell is a range of slots, and so is the inside; a mirrored cell has a list. */
+ * Local numbering, each in the order of the global numbers (row by row): own cells that no mirrored cell
+ * surrounds, 0 .. n_inside-1, own cells at the edge up to n_own-1, then the mirrored ones. Owned elements are
+ * kept in cell order, so an own cell is a range of slots, and so is the inside; a mirrored cell has a list.
+ */
 #ifndef DM2_ENGINE_CELLS_H
 #define DM2_ENGINE_CELLS_H
 
@@ -19,15 +21,17 @@ struct cells {
     int32_t *global_of;   /* [n_own + n_mirrored] */
     uint32_t *start;      /* [n_own + 1]: own cell c holds slots start[c] .. start[c+1]-1 */
     uint32_t *ring_start; /* [n_own + 1] into ring */
-    int32_t *ring;        /* per own cell: the later own cells around it, ascending, and all mirrored ones around it */
+    int32_t
+        *ring; /* per own cell: the later own cells around it, ascending, and all mirrored ones around it */
     uint32_t *mirror_start; /* [n_mirrored + 1] into mirror_slot */
     uint32_t *mirror_slot;  /* slots of mirrored elements, by mirrored cell */
     size_t mirror_cap;
-    uint8_t *seen_by;     /* [global cell] 1: some other rank than its owner mirrors it */
+    uint8_t *seen_by; /* [global cell] 1: some other rank than its owner mirrors it */
 };
 
 /* The static part: which cells `rank` owns and mirrors. */
-enum dm2_status cells_build(struct cells *cells, const struct domain_map *map, int rank, struct dm2_error *err);
+enum dm2_status cells_build(struct cells *cells, const struct domain_map *map, int rank,
+                            struct dm2_error *err);
 void cells_free(struct cells *cells);
 size_t cells_bytes(const struct cells *cells, const struct domain_map *map);
 

@@ -1,11 +1,13 @@
-/* Potentials of scope `all`: every pair within a cutoff, no memory, no status. This loop is all that a molecular-dynamics
- * deck does, so its common case, one kind of element with a Lennard-Jones potential, has a path that takes four pairs
- * at a time, those of the inner list (inner.h); its lanes are filled up with a slot that is far from everything. Both paths
- * do the same operations on each pair, so the bits do not tell which ran.
+/* Potentials of scope `all`: every pair within a cutoff, no memory, no status. This loop is all that a
+ * molecular-dynamics deck does, so its common case, one kind of element with a Lennard-Jones potential, has a
+ * path that takes four pairs at a time, those of the inner list (inner.h); its lanes are filled up with a
+ * slot that is far from everything. Both paths do the same operations on each pair, so the bits do not tell
+ * which ran.
  *
- * Forces become integers by adding 1.5 * 2^52, which leaves the rounded integer in the low bits of the double: exact
- * below 2^51, and it works in vectors, where conversion to 64-bit integers would not. A Lennard-Jones pair can leave that
- * range only by coming closer than law->r2_least; other potentials have each force checked. */
+ * Forces become integers by adding 1.5 * 2^52, which leaves the rounded integer in the low bits of the
+ * double: exact below 2^51, and it works in vectors, where conversion to 64-bit integers would not. A
+ * Lennard-Jones pair can leave that range only by coming closer than law->r2_least; other potentials have
+ * each force checked. */
 #include <string.h>
 
 #include "dm2/base/simd.h"
@@ -97,15 +99,15 @@ static inline void far_rows(struct pass *pass, const struct lists *lists, bool u
 
 /* Position and force sum of the element whose x is component c; the arrays are aligned to cache lines. */
 #define POSITION(c) (*(const simd_real2 *)(const void *)(r + (c)))
-#define FORCE(c) (*(simd_int2 *)(void *)(sum + (c)))
+#define FORCE(c)    (*(simd_int2 *)(void *)(sum + (c)))
 
 /* Four pairs on their way through the loop: what is known once the division has been started. */
 struct far_lanes {
     simd_real dx, dy, r2, w; /* w = r_m^2/r^2 */
 };
 
-DM2_INLINE void look_at(const struct far_quad *quad, const double *r, double rm2, const struct pass *pass, bool periodic,
-                        struct far_lanes *out)
+DM2_INLINE void look_at(const struct far_quad *quad, const double *r, double rm2, const struct pass *pass,
+                        bool periodic, struct far_lanes *out)
 {
     const uint32_t *j = quad->j;
     simd_real a = SIMD_JOIN(POSITION(j[0]), POSITION(j[2])), b = SIMD_JOIN(POSITION(j[1]), POSITION(j[3]));
@@ -120,8 +122,9 @@ DM2_INLINE void look_at(const struct far_quad *quad, const double *r, double rm2
     *out = (struct far_lanes){dx, dy, r2, rm2 / r2};
 }
 
-/* One Lennard-Jones law for all, four pairs at a time: the plain loop in lanes. A quad's distances are worked out while
- * the one before it is still at its forces: the processor waits for neither. Returns the least r^2 of all pairs. */
+/* One Lennard-Jones law for all, four pairs at a time: the plain loop in lanes. A quad's distances are worked
+ * out while the one before it is still at its forces: the processor waits for neither. Returns the least r^2
+ * of all pairs. */
 DM2_INLINE double lennard_jones(const struct pass *pass, const struct inner_list *list, bool periodic)
 {
     const struct pair_law *law = pass->m->laws;
@@ -167,11 +170,11 @@ DM2_WIDE static double lennard_jones_periodic(const struct pass *pass, const str
     return lennard_jones(pass, list, true);
 }
 
-#define FIXED(x) ((simd_int)((x) + shifter) - (simd_int)(zero + shifter))
+#define FIXED(x)     ((simd_int)((x) + shifter) - (simd_int)(zero + shifter))
 #define MAGNITUDE(x) ((simd_real)((simd_int)(x) & (simd_int){INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX}))
 
-/* What the plain loop measures, four pairs at a time: virial and energy, no forces. Returns the largest magnitude that
- * became an integer: from far_range on, the integers mean nothing. */
+/* What the plain loop measures, four pairs at a time: virial and energy, no forces. Returns the largest
+ * magnitude that became an integer: from far_range on, the integers mean nothing. */
 DM2_INLINE double measure_quads(struct pass *pass, const struct inner_list *list, bool periodic)
 {
     const struct model *m = pass->m;
@@ -190,14 +193,17 @@ DM2_INLINE double measure_quads(struct pass *pass, const struct inner_list *list
         simd_int within = at.r2 <= law->cutoff2;
         simd_real w3 = at.w * at.w * at.w, f = law->strength * at.w * w3 * (w3 - 1.0);
         simd_real fx = f * at.dx, fy = f * at.dy;
-        simd_real xx = SIMD_CHOOSE(within, at.dx * fx * scale, zero), yy = SIMD_CHOOSE(within, at.dy * fy * scale, zero);
+        simd_real xx = SIMD_CHOOSE(within, at.dx * fx * scale, zero),
+                  yy = SIMD_CHOOSE(within, at.dy * fy * scale, zero);
         simd_real xy = SIMD_CHOOSE(within, 0.5 * (at.dx * fy + at.dy * fx) * scale, zero);
-        simd_real u = SIMD_CHOOSE(within, (depth * (w3 * w3 - 2.0 * w3) - law->u_cut) * m->fixed.energy, zero);
+        simd_real u =
+            SIMD_CHOOSE(within, (depth * (w3 * w3 - 2.0 * w3) - law->u_cut) * m->fixed.energy, zero);
         simd_real size = MAGNITUDE(xx) + MAGNITUDE(yy) + MAGNITUDE(xy) + MAGNITUDE(u);
         largest = SIMD_CHOOSE(size > largest, size, largest);
         simd_int qxx = FIXED(xx), qyy = FIXED(yy), qxy = FIXED(xy), qu = FIXED(u);
         /* Transposed: the sums of each pair. */
-        simd_int a = SIMD_EVEN(qxx, qyy), b = SIMD_ODD(qxx, qyy), c = SIMD_EVEN(qxy, none), d = SIMD_ODD(qxy, none);
+        simd_int a = SIMD_EVEN(qxx, qyy), b = SIMD_ODD(qxx, qyy), c = SIMD_EVEN(qxy, none),
+                 d = SIMD_ODD(qxy, none);
         simd_int part[SIMD_LANES] = {SIMD_LOW(a, c), SIMD_LOW(b, d), SIMD_HIGH(a, c), SIMD_HIGH(b, d)};
         for (int lane = 0; lane < SIMD_LANES; lane++) {
             size_t j = quad->j[lane] / 2;
@@ -227,7 +233,8 @@ DM2_WIDE static double measure_periodic(struct pass *pass, const struct inner_li
     return measure_quads(pass, list, true);
 }
 
-/* Virial and energy of all pairs; false where a number left the range of lanes: then neither means anything. */
+/* Virial and energy of all pairs; false where a number left the range of lanes: then neither means anything.
+ */
 static bool measure_wide(struct pass *pass, const struct inner_list *list)
 {
     bool periodic = pass->m->grid.periodic[0] || pass->m->grid.periodic[1];
@@ -241,8 +248,8 @@ static void far_wide(struct pass *pass, struct lists *lists)
     uint32_t first, last;
     lists_rows(lists, pass->p, pass->part, &first, &last);
     const struct inner_part part = {first, last, pass->part == PART_INSIDE ? pass->p->n_own : pass->p->n};
-    if (inner_list_prepare(inner, &lists->far, &part, pass->p, m->far_cutoff, m->config->delta_r, pass->period,
-                           pass->half) != 0) {
+    if (inner_list_prepare(inner, &lists->far, &part, pass->p, m->far_cutoff, m->config->delta_r,
+                           pass->period, pass->half) != 0) {
         pass->no_memory = true;
         return;
     }

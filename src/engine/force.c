@@ -1,7 +1,7 @@
-/* The near pairs, and one evaluation of everything. The physics of a pair is in law.h; here pairs are found in the half
- * lists and their effects added to both elements as 64-bit integers: integer addition does not depend on order, so
- * neither do the results. Conversion is an odd function, so action and reaction cancel to the last bit. Each
- * conversion's range is checked; nothing wraps. */
+/* The near pairs, and one evaluation of everything. The physics of a pair is in law.h; here pairs are found
+ * in the half lists and their effects added to both elements as 64-bit integers: integer addition does not
+ * depend on order, so neither do the results. Conversion is an odd function, so action and reaction cancel to
+ * the last bit. Each conversion's range is checked; nothing wraps. */
 #include "force.h"
 
 #include <assert.h>
@@ -12,11 +12,11 @@
 #include "dm2/base/simd.h"
 #include "pair_pass.h"
 
-/* --- near pairs -------------------------------------------------------------------------------------------------- */
+/* --- near pairs --- */
 
 /* Adds a pair's effect: to i's sums, which the row keeps, and to j's. False where it is out of range. */
 DM2_INLINE bool near_add(const struct fixed_scales *s, int64_t *a, int64_t *b, double nx, double ny,
-                            const struct pair_effect *e, bool spin)
+                         const struct pair_effect *e, bool spin)
 {
     double largest = (fabs(e->fn) + fabs(e->fdn)) + (fabs(e->ft) + fabs(e->fdt));
     double heat = fabs(e->heat) + fabs(e->heat_damped) + fabs(e->exchange);
@@ -54,7 +54,8 @@ static void add_around(const struct pass *pass, uint32_t i, uint32_t j, double d
                        bool contacting)
 {
     double s = pass->m->fixed.around;
-    const int64_t part[AROUND_COUNT] = {[AROUND_XX] = to_fixed(dx * dx * s), [AROUND_YY] = to_fixed(dy * dy * s),
+    const int64_t part[AROUND_COUNT] = {[AROUND_XX] = to_fixed(dx * dx * s),
+                                        [AROUND_YY] = to_fixed(dy * dy * s),
                                         [AROUND_XY] = to_fixed(dx * dy * s)};
     const int64_t tally = TALLY_PAIR + (linked ? TALLY_LINK : 0) + (contacting ? TALLY_CONTACT : 0);
     int64_t *a = pass->p->around + AROUND_COUNT * (size_t)i, *b = pass->p->around + AROUND_COUNT * (size_t)j;
@@ -66,8 +67,8 @@ static void add_around(const struct pass *pass, uint32_t i, uint32_t j, double d
     pass->p->virial[VIRIAL_COUNT * (size_t)j + VIRIAL_TALLY] += tally;
 }
 
-static void near_measure(struct pass *pass, uint32_t i, uint32_t j, double dx, double dy, double nx, double ny,
-                         const struct pair_effect *e, bool linked)
+static void near_measure(struct pass *pass, uint32_t i, uint32_t j, double dx, double dy, double nx,
+                         double ny, const struct pair_effect *e, bool linked)
 {
     struct particles *p = pass->p;
     const struct fixed_scales *s = &pass->m->fixed;
@@ -86,9 +87,10 @@ static void near_measure(struct pass *pass, uint32_t i, uint32_t j, double dx, d
     pass->totals->contacts += e->contacting;
 }
 
-/* One pair: entry k of the row of owned slot i, whose sums may be kept apart. The plain path: every physics there is. */
-DM2_INLINE void near_pair(struct pass *pass, struct lists *l, uint32_t i, uint32_t k, int64_t *sums, bool measure, bool spin,
-                          bool periodic)
+/* One pair: entry k of the row of owned slot i, whose sums may be kept apart. The plain path: every physics
+ * there is. */
+DM2_INLINE void near_pair(struct pass *pass, struct lists *l, uint32_t i, uint32_t k, int64_t *sums,
+                          bool measure, bool spin, bool periodic)
 {
     const struct model *m = pass->m;
     struct particles *p = pass->p;
@@ -106,11 +108,22 @@ DM2_INLINE void near_pair(struct pass *pass, struct lists *l, uint32_t i, uint32
         model_law(m, p->kind[i], p->kind[j], relation_of(p->body[i], p->grain[i], p->body[j], p->grain[j]));
     double distance = sqrt(r2), over = r2 > 0.0 ? 1.0 / distance : 0.0, nx = dx * over, ny = dy * over;
     double dvx = v[2 * i] - v[2 * j], dvy = v[2 * i + 1] - v[2 * j + 1];
-    struct pair_view view = {.r = distance, .over_r = over, .radius_i = p->radius[i], .radius_j = p->radius[j],
-                             .vn = dvx * nx + dvy * ny, .vt = dvy * nx - dvx * ny,
-                             .w_i = p->w[i], .w_j = p->w[j], .mass_i = p->mass[i], .mass_j = p->mass[j],
-                             .soft_i = p->soft[i], .soft_j = p->soft[j],
-                             .t_i = p->temperature[i], .t_j = p->temperature[j], };
+    struct pair_view view = {
+        .r = distance,
+        .over_r = over,
+        .radius_i = p->radius[i],
+        .radius_j = p->radius[j],
+        .vn = dvx * nx + dvy * ny,
+        .vt = dvy * nx - dvx * ny,
+        .w_i = p->w[i],
+        .w_j = p->w[j],
+        .mass_i = p->mass[i],
+        .mass_j = p->mass[j],
+        .soft_i = p->soft[i],
+        .soft_j = p->soft[j],
+        .t_i = p->temperature[i],
+        .t_j = p->temperature[j],
+    };
     if (p->p != NULL) {
         view.p_i = p->p[i];
         view.p_j = p->p[j];
@@ -128,7 +141,8 @@ DM2_INLINE void near_pair(struct pass *pass, struct lists *l, uint32_t i, uint32
 }
 
 /* One row: the pairs of owned slot i. */
-DM2_INLINE void near_row(struct pass *pass, struct lists *l, uint32_t i, bool measure, bool spin, bool periodic)
+DM2_INLINE void near_row(struct pass *pass, struct lists *l, uint32_t i, bool measure, bool spin,
+                         bool periodic)
 {
     int64_t sums[SUM_COUNT] = {0};
     for (uint32_t k = l->near.start[i]; k < l->near.start[i + 1]; k++)
@@ -177,7 +191,8 @@ DM2_INLINE void single_rows(struct pass *pass, struct lists *l, bool measure)
     const struct link_list *links = &l->links[pass->part];
     for (size_t s = 0; s < links->n_single; s++) {
         uint32_t i = links->single[s].i;
-        near_pair(pass, l, i, links->single[s].k, pass->p->pair_sum + SUM_COUNT * (size_t)i, measure, true, true);
+        near_pair(pass, l, i, links->single[s].k, pass->p->pair_sum + SUM_COUNT * (size_t)i, measure, true,
+                  true);
     }
 }
 
@@ -221,7 +236,7 @@ static void near_evaluate(struct pass *pass, struct lists *l)
         near_central(pass, l);
 }
 
-/* --- one evaluation ---------------------------------------------------------------------------------------------- */
+/* --- one evaluation --- */
 
 static void clear_far(const struct pass *pass)
 {
@@ -242,8 +257,8 @@ static void clear_sums(const struct pass *pass)
         memset(p->pair_sum, 0, p->n * SUM_COUNT * sizeof *p->pair_sum);
 }
 
-/* All that is left to do. Where measured far pairs leave the range of lanes they begin again: nothing near has been
- * measured by then. */
+/* All that is left to do. Where measured far pairs leave the range of lanes they begin again: nothing near
+ * has been measured by then. */
 static void evaluate(struct pass *pass, struct lists *l)
 {
     const struct model *m = pass->m;
@@ -380,8 +395,8 @@ static void check_pass(struct pass *pass, struct lists *l)
 }
 #endif
 
-void force_ahead(struct pass *pass, const struct model *m, struct particles *p, struct lists *lists, double dt_kick,
-                 double dt_path, struct pair_totals *totals)
+void force_ahead(struct pass *pass, const struct model *m, struct particles *p, struct lists *lists,
+                 double dt_kick, double dt_path, struct pair_totals *totals)
 {
     *pass = start(m, p, dt_kick, dt_path, totals);
     if (lists->n_inside == 0 || m->has_kinds || (m->has_far && totals != NULL) ||
@@ -419,7 +434,8 @@ enum dm2_status force_rest(struct pass *pass, struct lists *lists, int64_t step,
         return dm2_fail(err, DM2_MEMORY, "no memory to sort the pairs of %zu elements", p->n_own);
     if (pass->bad)
         return dm2_fail(err, DM2_NUMERIC,
-                        "step %lld: the force between elements %u and %u, near (%g, %g) cm, is out of range: they are too "
+                        "step %lld: the force between elements %u and %u, near (%g, %g) cm, is out of range: "
+                        "they are too "
                         "close or too fast; a smaller dt may help",
                         (long long)step, p->id[pass->bad_i], p->id[pass->bad_j], p->r[2 * pass->bad_i],
                         p->r[2 * pass->bad_i + 1]);
@@ -430,8 +446,9 @@ enum dm2_status force_rest(struct pass *pass, struct lists *lists, int64_t step,
     return DM2_OK;
 }
 
-enum dm2_status force_evaluate(const struct model *m, struct particles *p, struct lists *lists, double dt_kick,
-                               double dt_path, struct pair_totals *totals, int64_t step, struct dm2_error *err)
+enum dm2_status force_evaluate(const struct model *m, struct particles *p, struct lists *lists,
+                               double dt_kick, double dt_path, struct pair_totals *totals, int64_t step,
+                               struct dm2_error *err)
 {
     struct pass pass = start(m, p, dt_kick, dt_path, totals);
     return force_rest(&pass, lists, step, err);

@@ -162,8 +162,7 @@ static enum dm2_status fill_crystal(struct generation *g, struct dm2_error *err)
     return DM2_OK;
 }
 
-/* --- bodies with grains
- * -------------------------------------------------------------------------------------------- */
+/* --- bodies with grains --- */
 
 /* Back into the domain, where the body goes round it. */
 static void wrap_into(const struct grain_set *set, const double x[2], double r[2])
@@ -262,8 +261,8 @@ static enum dm2_status fill_grains(struct generation *g, struct dm2_error *err)
 {
     const struct config *c = g->model->config;
     g->apart = least_distance(c, &c->bodies[g->body]);
-    enum dm2_status status = grains_build(c, g->body, (uint32_t)g->grain, g->apart, &g->model->pulse, &g->set,
-                                          err);
+    enum dm2_status status =
+        grains_build(c, g->body, (uint32_t)g->grain, g->apart, &g->model->pulse, &g->set, err);
     if (status == DM2_OK && g->grain + g->set.n > UINT32_MAX)
         status = dm2_fail(err, DM2_DECK, "the deck makes more than 2^32 - 1 grains");
     for (size_t k = 0; k < g->set.n && status == DM2_OK; k++)

@@ -5,8 +5,8 @@
  * Powder: discs at random places, overlapping; then sweeps in which every overlapping pair is pushed apart by
  * half its overlap each and every disc into the container, until none overlaps (after 1000 sweeps: by no more
  * than 1e-5 of the grain size; large dense packings come that far and hardly further). That reaches solid
- * fractions of about 0.8 (the random close packing of discs is 0.82 to 0.84). Polygons are inscribed in such discs,
- * with 5 to 8 corners.
+ * fractions of about 0.8 (the random close packing of discs is 0.82 to 0.84). Polygons are inscribed in such
+ * discs, with 5 to 8 corners.
  *
  * Where the body spans a periodic direction of the domain, cells and discs go round it. */
 #include "grains.h"
@@ -26,8 +26,7 @@ static const double seed_distance = 0.6; /* of the grain size */
 static const double push_slack = 1e-3;   /* discs are pushed apart by so much more than they need */
 static const double left_over = 1e-5;    /* of the grain size: an overlap that may stay after many sweeps */
 
-/* --- bins: points by the square they lie in --------------------------------------------------------------
- */
+/* --- bins: points by the square they lie in --- */
 
 struct bins {
     double low[2], edge;
@@ -80,8 +79,7 @@ static void bins_clear(struct bins *b)
         b->head[i] = -1;
 }
 
-/* --- Voronoi cells ----------------------------------------------------------------------------------------
- */
+/* --- Voronoi cells --- */
 
 /* A seed or a periodic image of one. */
 struct image {
@@ -301,8 +299,7 @@ static int build_cells(const struct body_config *body, uint32_t first, double ap
     return cut_cells(set, box, body->grain_size, apart);
 }
 
-/* --- powders
- * ------------------------------------------------------------------------------------------------ */
+/* --- powders --- */
 
 /* Keeps a disc of this radius in the container. Gives how far it was outside, cm. */
 static double contain(const struct body_config *body, const struct grain_set *set, double x[2], double radius)
@@ -523,8 +520,7 @@ static int outline_grain(const struct body_config *body, uint32_t id, struct gra
     return 0;
 }
 
-/* --- all
- * ------------------------------------------------------------------------------------------------------ */
+/* --- all --- */
 
 static void find_seams(const struct config *c, const struct body_config *body, struct grain_set *set)
 {

@@ -1,8 +1,10 @@
-/* Drawing the inner list: one pass over the far list, four pairs at a time, which keeps those within the smaller margin.
+/* Drawing the inner list: one pass over the far list, four pairs at a time, which keeps those within the
+ * smaller margin.
  *
- * The list is valid while no element, owned or mirrored, is further than half the margin from where it was: then no pair that
- * was left out can have come within the cutoff. Where elements are so fast that this lasts only a few steps, drawing
- * would cost more than it saves, and the next list keeps the whole far list until the next rebuild. */
+ * The list is valid while no element, owned or mirrored, is further than half the margin from where it was:
+ * then no pair that was left out can have come within the cutoff. Where elements are so fast that this lasts
+ * only a few steps, drawing would cost more than it saves, and the next list keeps the whole far list until
+ * the next rebuild. */
 #include "inner.h"
 
 #include <math.h>
@@ -32,9 +34,11 @@ static void take_all(struct inner_list *inner, const struct half_list *far, cons
     }
 }
 
-/* The pairs within `reach`. Lanes are written one after the other and the cursor moves on where a pair is kept. */
-DM2_WIDE static void take_near(struct inner_list *inner, const struct half_list *far, const struct inner_part *part,
-                               const struct particles *p, double reach, const double period[2], const double half[2])
+/* The pairs within `reach`. Lanes are written one after the other and the cursor moves on where a pair is
+ * kept. */
+DM2_WIDE static void take_near(struct inner_list *inner, const struct half_list *far,
+                               const struct inner_part *part, const struct particles *p, double reach,
+                               const double period[2], const double half[2])
 {
     const double *r = p->r, reach2 = reach * reach;
     const simd_real zero = {0.0}, period_x = zero + period[0], period_y = zero + period[1];
@@ -48,7 +52,8 @@ DM2_WIDE static void take_near(struct inner_list *inner, const struct half_list 
         q->i = 2 * (uint32_t)i;
         for (uint32_t k = far->start[i]; k < far->start[i + 1]; k += SIMD_LANES) {
             const uint32_t *j = far->j + k;
-            simd_real a = SIMD_JOIN(POSITION(j[0]), POSITION(j[2])), b = SIMD_JOIN(POSITION(j[1]), POSITION(j[3]));
+            simd_real a = SIMD_JOIN(POSITION(j[0]), POSITION(j[2])),
+                      b = SIMD_JOIN(POSITION(j[1]), POSITION(j[3]));
             simd_real dx = x - SIMD_EVEN(a, b), dy = y - SIMD_ODD(a, b);
             dx = dx - SIMD_CHOOSE(dx > half_x, period_x, zero) + SIMD_CHOOSE(dx < -half_x, period_x, zero);
             dy = dy - SIMD_CHOOSE(dy > half_y, period_y, zero) + SIMD_CHOOSE(dy < -half_y, period_y, zero);
@@ -72,7 +77,8 @@ DM2_WIDE static void take_near(struct inner_list *inner, const struct half_list 
     inner->n = n;
 }
 
-/* Greatest squared distance from the positions of the last drawing. (A pair's lower slot is in the part's rows.) */
+/* Greatest squared distance from the positions of the last drawing. (A pair's lower slot is in the part's
+ * rows.) */
 static double moved2(const struct inner_list *inner, const struct inner_part *part, const struct particles *p,
                      const double period[2], const double half[2])
 {
@@ -104,7 +110,8 @@ int inner_list_prepare(struct inner_list *inner, const struct half_list *far, co
     size_t slots = part->beyond - part->first;
     inner->served++;
     if (inner->valid) {
-        if (isinf(inner->margin) || moved2(inner, part, p, period, half) <= 0.25 * (inner->margin * inner->margin))
+        if (isinf(inner->margin) ||
+            moved2(inner, part, p, period, half) <= 0.25 * (inner->margin * inner->margin))
             return 0;
         inner->margin = inner->served > worth ? margin_share * reach_more : INFINITY;
     } else {

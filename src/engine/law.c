@@ -7,8 +7,9 @@ static double force_at(const struct pair_law *law, double x, double r0)
     return potential_force(law, x, r0, &energy);
 }
 
-/* Lennard-Jones: |f(x)| = cap on the rising branch of the attraction (r0, peak), or x < r0 for the repulsion. Both
- * branches are monotonic, so bisection ends at neighbouring doubles: at most some 60 steps, the same everywhere. */
+/* Lennard-Jones: |f(x)| = cap on the rising branch of the attraction (r0, peak), or x < r0 for the repulsion.
+ * Both branches are monotonic, so bisection ends at neighbouring doubles: at most some 60 steps, the same
+ * everywhere. */
 static double lennard_jones_length(const struct pair_law *law, double r0, double cap, bool tension)
 {
     double near = r0, far = tension ? r0 * 0x1.1bd2ad2dcb0c6p0 : 0.25 * r0;

@@ -1,11 +1,12 @@
-/* The pair law: what two elements do to each other. One documented function per part, apart from how pairs are
- * found and summed (engine/force.h).
+/* The pair law: what two elements do to each other. One documented function per part, apart from how pairs
+ * are found and summed (engine/force.h).
  *
- * Signs: n points from the partner j to i, t = (-n_y, n_x); a normal force f > 0 pushes apart; forces are those on
- * i, and j gets the opposite. Everything here is antisymmetric bit for bit: with i and j exchanged, n, t and the
- * relative velocity change sign exactly, and every other quantity enters through sums, products, minima of two,
- * which commute in IEEE arithmetic. So both servers that evaluate a pair across their boundary get the same numbers,
- * whichever element each takes for i. (2 a b is written 2 (a b): products of three do not commute.)
+ * Signs: n points from the partner j to i, t = (-n_y, n_x); a normal force f > 0 pushes apart; forces are
+ * those on i, and j gets the opposite. Everything here is antisymmetric bit for bit: with i and j exchanged,
+ * n, t and the relative velocity change sign exactly, and every other quantity enters through sums, products,
+ * minima of two, which commute in IEEE arithmetic. So both servers that evaluate a pair across their boundary
+ * get the same numbers, whichever element each takes for i. (2 a b is written 2 (a b): products of three do
+ * not commute.)
  *
  * Source: paper, section 2.3 (capabilities) and 4 (status); docs/physics.md has the equations. */
 #ifndef DM2_ENGINE_LAW_H
@@ -31,11 +32,12 @@ struct bond {
     double peak;          /* length of the strongest attraction, cm; infinite: it never falls */
 };
 
-/* One law per ordered pair of kinds and relation; law(b, a) is law(a, b) with strengths and yields exchanged. */
+/* One law per ordered pair of kinds and relation; law(b, a) is law(a, b) with strengths and yields exchanged.
+ */
 struct pair_law {
     enum potential_kind potential;
     enum scope_kind scope;
-    bool near;         /* does anything beyond a potential of scope `all`: it needs contact status and memory */
+    bool near; /* does anything beyond a potential of scope `all`: it needs contact status and memory */
     bool initial_link; /* lattice neighbours start linked */
     bool wide;         /* linked pairs may be taken four at a time: Morse, bond worked out */
     bool tangential;   /* any of kt, c_t, mu acts */
@@ -45,20 +47,22 @@ struct pair_law {
     double strength;   /* there: eps12/rm2, Mbar cm */
     double rm2;        /* there: square of the distance of zero force, 2^(1/3) sigma^2, cm2 */
     double cutoff2;    /* scope all: square of the cutoff, cm2; 0 otherwise */
-    double u_cut;      /* scope all, plain Lennard-Jones: potential at the cutoff, taken off so that it ends at 0 */
-    double r2_least;   /* there: below this r^2 the force leaves the range of the far sums, cm2 */
-    double cn, ct;     /* c_n and c_t over sqrt(m_eff) */
-    double cn_mass, ct_mass; /* the same with the m_eff of the kinds, where their elements all have one mass; else -1 */
-    double a_p, a_t;   /* change of c_n with P and T */
-    double t0_mean;    /* K, reference of a_t */
+    double
+        u_cut; /* scope all, plain Lennard-Jones: potential at the cutoff, taken off so that it ends at 0 */
+    double r2_least; /* there: below this r^2 the force leaves the range of the far sums, cm2 */
+    double cn, ct;   /* c_n and c_t over sqrt(m_eff) */
+    double cn_mass,
+        ct_mass; /* the same with the m_eff of the kinds, where their elements all have one mass; else -1 */
+    double a_p, a_t;            /* change of c_n with P and T */
+    double t0_mean;             /* K, reference of a_t */
     double kt_link, kt_contact; /* tangential stiffness, Mbar cm */
     double mu;
-    double yield_i, yield_j;     /* Y of i's and of j's side at T0, Mbar; infinite: elastic */
-    double tensile_i, tensile_j; /* Yt0 likewise */
+    double yield_i, yield_j;      /* Y of i's and of j's side at T0, Mbar; infinite: elastic */
+    double tensile_i, tensile_j;  /* Yt0 likewise */
     double link_form, link_break; /* in r0 */
-    double radius_i, radius_j; /* cm; where all elements of the two kinds have one radius each */
-    struct bond bond;  /* there; else r0 = 0 */
-    double conduction; /* kappa_ij times the conductance factor, g cm/us3/K */
+    double radius_i, radius_j;    /* cm; where all elements of the two kinds have one radius each */
+    struct bond bond;             /* there; else r0 = 0 */
+    double conduction;            /* kappa_ij times the conductance factor, g cm/us3/K */
 };
 
 /* What the law needs to see of a pair. */
@@ -83,12 +87,12 @@ struct pair_state {
 /* What the law gives. */
 struct pair_effect {
     bool contacting;
-    double fn, ft;      /* total force on i along n and t, Mbar cm2; without the potential of scope `all` */
-    double fdn, fdt;    /* the part of them that is damping */
+    double fn, ft;       /* total force on i along n and t, Mbar cm2; without the potential of scope `all` */
+    double fdn, fdt;     /* the part of them that is damping */
     double arm_i, arm_j; /* lever arms of ft, cm: the torque on i is -arm_i ft, on j -arm_j ft */
-    double heat;        /* freed at once by slip, yield and breaking, g cm2/us2 */
-    double heat_damped; /* lagged damping heat of this step */
-    double exchange;    /* heat conducted to i in this step, g cm2/us2 */
+    double heat;         /* freed at once by slip, yield and breaking, g cm2/us2 */
+    double heat_damped;  /* lagged damping heat of this step */
+    double exchange;     /* heat conducted to i in this step, g cm2/us2 */
     double potential, elastic; /* energies, g cm2/us2 */
 };
 
@@ -97,12 +101,16 @@ static inline double law_lesser(double a, double b)
     return a < b ? a : b;
 }
 
-/* --- central potentials (docs/physics.md, section 3); x is the bond length r - e, r0 the contact distance -------- */
+/* --- central potentials --- */
 
-/* The constants of a law at contact distance r0. */
+/* The constants of a law at contact distance r0 (docs/physics.md, section 3). Below, x is the bond length r -
+ * e. */
 static inline struct bond law_bond(const struct pair_law *law, double r0)
 {
-    struct bond b = {.r0 = r0, .over_r0 = 1.0 / r0, .forms = law->link_form * r0, .breaks = law->link_break * r0,
+    struct bond b = {.r0 = r0,
+                     .over_r0 = 1.0 / r0,
+                     .forms = law->link_form * r0,
+                     .breaks = law->link_break * r0,
                      .area = r0 * 0x1.279a74590331dp-1 /* 1/sqrt(3) */};
     if (law->potential == POTENTIAL_MORSE) {
         double a = r0 / law->shape;
@@ -151,22 +159,24 @@ static inline double potential_force(const struct pair_law *law, double x, doubl
 }
 
 /* The bond length beyond r0 at which the attraction reaches `cap` (tension = true), or below r0 at which the
- * repulsion does: xi_t and xi_c of docs/physics.md, section 4. Infinite, or 0, where it never does. Only called where a
- * bond yields. Exact for Morse and quadratic; for Lennard-Jones by bisection to the last bit. */
+ * repulsion does: xi_t and xi_c of docs/physics.md, section 4. Infinite, or 0, where it never does. Only
+ * called where a bond yields. Exact for Morse and quadratic; for Lennard-Jones by bisection to the last bit.
+ */
 double law_yield_length(const struct pair_law *law, double r0, double cap, bool tension);
 
-/* True when a bond of length x pulls with more than `cap`. `force` is the potential's at x. On the falling branch of
- * the potential, beyond its strongest attraction, a bond that may yield has yielded. */
-DM2_INLINE bool law_pulls_too_hard(const struct pair_law *law, const struct bond *b, double x, double force, double cap)
+/* True when a bond of length x pulls with more than `cap`. `force` is the potential's at x. On the falling
+ * branch of the potential, beyond its strongest attraction, a bond that may yield has yielded. */
+DM2_INLINE bool law_pulls_too_hard(const struct pair_law *law, const struct bond *b, double x, double force,
+                                   double cap)
 {
     return force < -cap || (x > b->peak && law_yield_length(law, b->r0, cap, true) < INFINITY);
 }
 
 /* The whole law: updates the pair's memory and fills *out.
- * dt_kick: the time over which this evaluation's forces act (dt, or dt/2 in step 0); dt_path: the time since the
- * positions of the last evaluation (dt, or 0 in step 0), us. Depth h = 1 cm. */
-DM2_INLINE void pair_interact(const struct pair_law *law, const struct pair_view *p, double dt_kick, double dt_path,
-                                 struct pair_state *s, struct pair_effect *out)
+ * dt_kick: the time over which this evaluation's forces act (dt, or dt/2 in step 0); dt_path: the time since
+ * the positions of the last evaluation (dt, or 0 in step 0), us. Depth h = 1 cm. */
+DM2_INLINE void pair_interact(const struct pair_law *law, const struct pair_view *p, double dt_kick,
+                              double dt_path, struct pair_state *s, struct pair_effect *out)
 {
     double r = p->r, r0 = p->radius_i + p->radius_j, energy = 0.0;
     const struct bond bond = r0 == law->bond.r0 ? law->bond : law_bond(law, r0);
@@ -219,7 +229,8 @@ DM2_INLINE void pair_interact(const struct pair_law *law, const struct pair_view
     }
 
     /* Central damping; an unlinked contact never pulls. */
-    double scale = 1.0 + law->a_p * (0.5 * (p->p_i + p->p_j)) + law->a_t * (0.5 * (p->t_i + p->t_j) - law->t0_mean);
+    double scale =
+        1.0 + law->a_p * (0.5 * (p->p_i + p->p_j)) + law->a_t * (0.5 * (p->t_i + p->t_j) - law->t0_mean);
     double root = 1.0, cn = law->cn_mass, ct = law->ct_mass;
     if (cn < 0.0) {
         root = sqrt((p->mass_i * p->mass_j) / (p->mass_i + p->mass_j));
@@ -233,15 +244,16 @@ DM2_INLINE void pair_interact(const struct pair_law *law, const struct pair_view
     out->fn = f + fdn;
     out->fdn = fdn;
 
-    /* Tangential: a spring, elastic-perfectly-plastic in a link and with Coulomb's cap in a contact; viscosity. */
+    /* Tangential: a spring, elastic-perfectly-plastic in a link and with Coulomb's cap in a contact;
+     * viscosity. */
     if (law->tangential) {
         double share = r * bond.over_r0;
         out->arm_i = share * p->radius_i;
         out->arm_j = share * p->radius_j;
         double vt = p->vt - (p->w_i * out->arm_i + p->w_j * out->arm_j);
         double kt = s->linked ? law->kt_link : law->kt_contact;
-        /* A link holds Y A: the lattice's resistance to shear is then Y/2 along its rows and Y/sqrt(3) midway between them
-         * (docs/physics.md, section 6), the shear strengths of Tresca and von Mises. */
+        /* A link holds Y A: the lattice's resistance to shear is then Y/2 along its rows and Y/sqrt(3) midway
+         * between them (docs/physics.md, section 6), the shear strengths of Tresca and von Mises. */
         double cap = s->linked ? law_lesser(law->yield_i * p->soft_i, law->yield_j * p->soft_j) * bond.area
                                : law->mu * out->fn;
         double spring = s->spring + vt * dt_path;

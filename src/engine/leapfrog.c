@@ -1,10 +1,10 @@
 /* Integration of the owned elements.
  *
- * Energy book (docs/physics.md, section 7): damping heat was booked with the velocities of the half step before; its
- * exact total needs only the element's own sums, since
- *   sum over pairs of -F_d . (v(n-1/2) + v(n+1/2))/2 dt = lagged heat - 1/2 dt sum_i (F_d,i . dv_i + tau_d,i dw_i).
- * Kinetic energy at the whole step is that of the mean velocity; thermal energy there counts half of the damping heat
- * of the step around it, and all heat that was freed by then. */
+ * Energy book (docs/physics.md, section 7): damping heat was booked with the velocities of the half step
+ * before; its exact total needs only the element's own sums, since sum over pairs of -F_d . (v(n-1/2) +
+ * v(n+1/2))/2 dt = lagged heat - 1/2 dt sum_i (F_d,i . dv_i + tau_d,i dw_i). Kinetic energy at the whole step
+ * is that of the mean velocity; thermal energy there counts half of the damping heat of the step around it,
+ * and all heat that was freed by then. */
 #include "leapfrog.h"
 
 #include <math.h>
@@ -31,7 +31,8 @@ struct kick {
 };
 
 /* `near`: there are near pairs in this deck; without, their sums are not even zeroed. */
-DM2_INLINE struct kick kick_of(const struct model *m, const struct particles *p, size_t i, double dt, bool near)
+DM2_INLINE struct kick kick_of(const struct model *m, const struct particles *p, size_t i, double dt,
+                               bool near)
 {
     const int64_t *s = near ? p->pair_sum + SUM_COUNT * i : NULL;
     const struct fixed_scales *x = &m->fixed;
@@ -45,11 +46,13 @@ DM2_INLINE struct kick kick_of(const struct model *m, const struct particles *p,
         k.dv[a] = (k.force[a] * over_mass + m->config->gravity[a]) * dt;
     }
     if (near && m->has_spin) /* the inertia of a disc is m R^2/2 */
-        k.dw = (double)s[SUM_TORQUE] * x->over_torque * (2.0 * over_mass / (p->radius[i] * p->radius[i])) * dt;
+        k.dw =
+            (double)s[SUM_TORQUE] * x->over_torque * (2.0 * over_mass / (p->radius[i] * p->radius[i])) * dt;
     if (p->flags[i] & ELEMENT_FIXED_MOTION)
         k.dv[0] = k.dv[1] = k.dw = 0.0;
     if (near) {
-        double lost = (double)s[SUM_DX] * x->over_force * k.dv[0] + (double)s[SUM_DY] * x->over_force * k.dv[1] +
+        double lost = (double)s[SUM_DX] * x->over_force * k.dv[0] +
+                      (double)s[SUM_DY] * x->over_force * k.dv[1] +
                       (double)s[SUM_DTORQUE] * x->over_torque * k.dw;
         k.heat_now = (double)s[SUM_HEAT] * x->over_heat;
         k.heat_damped = (double)s[SUM_DHEAT] * x->over_heat - 0.5 * dt * lost;
@@ -57,8 +60,8 @@ DM2_INLINE struct kick kick_of(const struct model *m, const struct particles *p,
     return k;
 }
 
-void leapfrog_whole_velocity(const struct model *m, const struct particles *p, size_t i, int64_t step, double v[2],
-                             double *w)
+void leapfrog_whole_velocity(const struct model *m, const struct particles *p, size_t i, int64_t step,
+                             double v[2], double *w)
 {
     double share = step == 0 ? 0.0 : 0.5; /* step 0 starts at the whole step */
     struct kick k = kick_of(m, p, i, leapfrog_kick_time(m, step), m->has_near);
@@ -67,15 +70,17 @@ void leapfrog_whole_velocity(const struct model *m, const struct particles *p, s
     *w = p->w[i] + share * k.dw;
 }
 
-/* The volume of slot i among its neighbours. Six of them around it are the sides of a strained hexagonal cell: with
- * M = sum r (x) r, which is 3 d^2 F F^T where the lattice is deformed by F, the cell's area is sqrt(det M)/(2 sqrt 3),
- * exact for any homogeneous F. Else, at surfaces and in loose packings, it is the cell of the element at rest. */
+/* The volume of slot i among its neighbours. Six of them around it are the sides of a strained hexagonal
+ * cell: with M = sum r (x) r, which is 3 d^2 F F^T where the lattice is deformed by F, the cell's area is
+ * sqrt(det M)/(2 sqrt 3), exact for any homogeneous F. Else, at surfaces and in loose packings, it is the
+ * cell of the element at rest. */
 static double volume_of(const struct model *m, const struct particles *p, size_t i)
 {
     const int64_t *s = p->around != NULL ? p->around + AROUND_COUNT * i : NULL;
     double d = 2.0 * p->radius[i], over = 1.0 / m->fixed.around; /* a power of two: exact */
     if (s != NULL && p->virial[VIRIAL_COUNT * i + VIRIAL_TALLY] % TALLY_LINK == 6 * TALLY_PAIR) {
-        double xx = (double)s[AROUND_XX] * over, yy = (double)s[AROUND_YY] * over, xy = (double)s[AROUND_XY] * over;
+        double xx = (double)s[AROUND_XX] * over, yy = (double)s[AROUND_YY] * over,
+               xy = (double)s[AROUND_XY] * over;
         double det = xx * yy - xy * xy;
         if (det > 0.0)
             return 0x1.279a74590331dp-2 * sqrt(det); /* 1/(2 sqrt(3)) */
@@ -83,7 +88,8 @@ static double volume_of(const struct model *m, const struct particles *p, size_t
     return 0x1.bb67ae8584caap-1 * (d * d); /* sqrt(3)/2 d^2 h */
 }
 
-static inline void stress_of(const struct model *m, const struct particles *p, size_t i, size_t n, double *stress)
+static inline void stress_of(const struct model *m, const struct particles *p, size_t i, size_t n,
+                             double *stress)
 {
     double volume = volume_of(m, p, i), over = 1.0 / m->fixed.virial; /* a power of two: exact */
     for (size_t a = 0; a < n; a++)
@@ -109,16 +115,17 @@ void leapfrog_set_pressure(const struct model *m, struct particles *p)
         p->p[i] = pressure_of(m, p, i);
 }
 
-/* Power of what keeps a driven element at its velocity against the forces on it. Its work up to a whole step counts half
- * of the power there and half of the power at the start: the trapezoidal rule, as accurate as the leapfrog itself. */
+/* Power of what keeps a driven element at its velocity against the forces on it. Its work up to a whole step
+ * counts half of the power there and half of the power at the start: the trapezoidal rule, as accurate as the
+ * leapfrog itself. */
 static double drive_power(const struct particles *p, size_t i, const struct kick *k)
 {
     return -(k->force[0] * p->v[2 * i] + k->force[1] * p->v[2 * i + 1]);
 }
 
 /* Adds slot i's part of the measures of this step. False where a value is out of the sums' range. */
-static bool measure_element(const struct model *m, const struct particles *p, size_t i, int64_t step, const struct kick *k,
-                            struct measures *out)
+static bool measure_element(const struct model *m, const struct particles *p, size_t i, int64_t step,
+                            const struct kick *k, struct measures *out)
 {
     const struct measure_scales *s = &m->scales;
     double share = step == 0 ? 0.0 : 0.5, mass = p->mass[i];
@@ -128,7 +135,8 @@ static bool measure_element(const struct model *m, const struct particles *p, si
     double temperature = particles_temperature(p, m, i);
     if (p->flags[i] & ELEMENT_FIXED_MOTION)
         work += share * leapfrog_kick_time(m, step) * drive_power(p, i, k);
-    bool fits = exact_add(&out->kinetic, 0.5 * mass * (v[0] * v[0] + v[1] * v[1]) + 0.5 * spin * w, s->energy);
+    bool fits =
+        exact_add(&out->kinetic, 0.5 * mass * (v[0] * v[0] + v[1] * v[1]) + 0.5 * spin * w, s->energy);
     fits &= exact_add(&out->thermal, p->heat[i] + k->heat_now + share * k->heat_damped, s->energy);
     if (m->has_kinds) {
         const struct kind *kind = &m->kinds[p->kind[i]];
@@ -161,16 +169,19 @@ static enum dm2_status out_of_range(const struct particles *p, size_t i, int64_t
                                     struct dm2_error *err)
 {
     return dm2_fail(err, DM2_NUMERIC,
-                    "step %lld: element %u at (%g, %g) cm %s (velocity (%g, %g) cm/us): the run is unstable; choose a smaller "
+                    "step %lld: element %u at (%g, %g) cm %s (velocity (%g, %g) cm/us): the run is unstable; "
+                    "choose a smaller "
                     "dt or check the deck's velocities and stiffnesses",
-                    (long long)step, p->id[i], p->r[2 * i], p->r[2 * i + 1], what, p->v[2 * i], p->v[2 * i + 1]);
+                    (long long)step, p->id[i], p->r[2 * i], p->r[2 * i + 1], what, p->v[2 * i],
+                    p->v[2 * i + 1]);
 }
 
-/* Everything that one step does to the owned elements, compiled for decks with near pairs and without. Returns the
- * largest squared speed; *bad is the first slot that is too fast or not finite, n_own where all is well. The columns are
- * named by a copy that nobody else knows, so that storing to one does not make the processor fetch all their places anew. */
-DM2_INLINE double drift_all(const struct model *m, const struct particles *columns, double dt_kick, double limit2, bool near,
-                            size_t *bad)
+/* Everything that one step does to the owned elements, compiled for decks with near pairs and without.
+ * Returns the largest squared speed; *bad is the first slot that is too fast or not finite, n_own where all
+ * is well. The columns are named by a copy that nobody else knows, so that storing to one does not make the
+ * processor fetch all their places anew. */
+DM2_INLINE double drift_all(const struct model *m, const struct particles *columns, double dt_kick,
+                            double limit2, bool near, size_t *bad)
 {
     struct particles own = *columns, *p = &own;
     const struct config *c = m->config;
@@ -180,7 +191,8 @@ DM2_INLINE double drift_all(const struct model *m, const struct particles *colum
     *bad = p->n_own;
     for (size_t i = 0; i < p->n_own; i++) {
         struct kick k = kick_of(m, p, i, dt_kick, near);
-        double v[2] = {p->v[2 * i] + k.dv[0], p->v[2 * i + 1] + k.dv[1]}, r[2] = {p->r[2 * i], p->r[2 * i + 1]};
+        double v[2] = {p->v[2 * i] + k.dv[0], p->v[2 * i + 1] + k.dv[1]},
+               r[2] = {p->r[2 * i], p->r[2 * i + 1]};
         double speed2 = v[0] * v[0] + v[1] * v[1];
         if (!(speed2 < limit2)) {
             *bad = i;
@@ -209,19 +221,20 @@ DM2_INLINE double drift_all(const struct model *m, const struct particles *colum
     return fastest2;
 }
 
-DM2_WIDE static double drift_near(const struct model *m, const struct particles *p, double dt_kick, double limit2,
-                                  size_t *bad)
+DM2_WIDE static double drift_near(const struct model *m, const struct particles *p, double dt_kick,
+                                  double limit2, size_t *bad)
 {
     return drift_all(m, p, dt_kick, limit2, true, bad);
 }
 
-DM2_WIDE static double drift_far(const struct model *m, const struct particles *p, double dt_kick, double limit2, size_t *bad)
+DM2_WIDE static double drift_far(const struct model *m, const struct particles *p, double dt_kick,
+                                 double limit2, size_t *bad)
 {
     return drift_all(m, p, dt_kick, limit2, false, bad);
 }
 
-enum dm2_status leapfrog_move(const struct model *m, struct particles *p, int64_t step, bool drift, double *dmax,
-                              struct measures *out, struct dm2_error *err)
+enum dm2_status leapfrog_move(const struct model *m, struct particles *p, int64_t step, bool drift,
+                              double *dmax, struct measures *out, struct dm2_error *err)
 {
     double dt = m->config->dt, dt_kick = leapfrog_kick_time(m, step);
     double edge = m->grid.lx < m->grid.ly ? m->grid.lx : m->grid.ly, limit2 = (edge / dt) * (edge / dt);
@@ -233,7 +246,8 @@ enum dm2_status leapfrog_move(const struct model *m, struct particles *p, int64_
     if (!drift)
         return DM2_OK;
     size_t bad;
-    double fastest2 = m->has_near ? drift_near(m, p, dt_kick, limit2, &bad) : drift_far(m, p, dt_kick, limit2, &bad);
+    double fastest2 =
+        m->has_near ? drift_near(m, p, dt_kick, limit2, &bad) : drift_far(m, p, dt_kick, limit2, &bad);
     if (bad < p->n_own)
         return out_of_range(p, bad, step, "would move further than a cell edge in one step", err);
     *dmax = sqrt(fastest2) * dt;

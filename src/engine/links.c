@@ -1,6 +1,6 @@
-/* Sorting near pairs by their law: count, lay out, fill. Rows keep their order within a law, so neighbours in the list are
- * neighbours in space; and laws follow each other chunk by chunk, so that elements are still in the cache when the next law
- * needs them. */
+/* Sorting near pairs by their law: count, lay out, fill. Rows keep their order within a law, so neighbours in
+ * the list are neighbours in space; and laws follow each other chunk by chunk, so that elements are still in
+ * the cache when the next law needs them. */
 #include "links.h"
 
 #include <stdlib.h>
@@ -12,8 +12,8 @@
 #include "tables.h"
 
 /* The law of entry k of row i where it goes into a quad, else NULL. */
-static const struct pair_law *quad_law(const struct lists *l, const struct model *m, const struct particles *p, uint32_t i,
-                                       uint32_t k)
+static const struct pair_law *quad_law(const struct lists *l, const struct model *m,
+                                       const struct particles *p, uint32_t i, uint32_t k)
 {
     uint32_t j = l->near.j[k];
     if (!l->linked[k])
@@ -45,7 +45,8 @@ static int lay_out(struct link_list *links, size_t pairs)
         quads += g->n;
     }
     return grow(&links->quad, &links->quad_cap, quads, sizeof *links->quad) != 0 ||
-                   grow(&links->single, &links->single_cap, pairs - SIMD_LANES * quads, sizeof *links->single) != 0
+                   grow(&links->single, &links->single_cap, pairs - SIMD_LANES * quads,
+                        sizeof *links->single) != 0
                ? -1
                : 0;
 }

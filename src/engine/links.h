@@ -1,9 +1,10 @@
 /* The near pairs sorted for the pair loop: links of one law in fours, and the rest.
  *
- * Most near pairs of a solid are links whose law has all its constants worked out. They stand here in quads of one law, so
- * that the loop over them gathers nothing but the state of the elements; whatever is left, unlinked pairs, other laws,
- * and up to three links of each law and chunk of rows, is taken one by one. The list says where a pair is looked at, not
- * what happens to it: a link that has broken since is found by its memory in the near list. */
+ * Most near pairs of a solid are links whose law has all its constants worked out. They stand here in quads
+ * of one law, so that the loop over them gathers nothing but the state of the elements; whatever is left,
+ * unlinked pairs, other laws, and up to three links of each law and chunk of rows, is taken one by one. The
+ * list says where a pair is looked at, not what happens to it: a link that has broken since is found by its
+ * memory in the near list. */
 #ifndef DM2_ENGINE_LINKS_H
 #define DM2_ENGINE_LINKS_H
 
@@ -38,13 +39,14 @@ struct link_list {
     struct link_quad *quad;
     struct link_group *group; /* [chunks of rows][laws of the model] */
     struct single_pair *single;
-    uint16_t *kind; /* [n] of each slot when the pairs were sorted; kept where elements may change their kind */
+    uint16_t
+        *kind; /* [n] of each slot when the pairs were sorted; kept where elements may change their kind */
     size_t quad_cap, n_groups, group_cap, n_single, single_cap, kind_cap;
     bool valid; /* false after a rebuild */
 };
 
-/* Sorts the pairs of one part (enum list_part) of lists->near into lists->links[part], where they are not sorted yet or
- * elements have changed their kind since. 0, or -1 without memory. */
+/* Sorts the pairs of one part (enum list_part) of lists->near into lists->links[part], where they are not
+ * sorted yet or elements have changed their kind since. 0, or -1 without memory. */
 int link_list_prepare(struct lists *lists, int part, const struct model *m, const struct particles *p);
 void link_list_free(struct link_list *links);
 size_t link_list_bytes(const struct link_list *links);

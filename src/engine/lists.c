@@ -1,9 +1,10 @@
-/* Building the neighbour lists, from cells or from all pairs (config search = lists; the paper's Fig. 4), or, where a
- * deck has near pairs only, from bins finer than the cells.
+/* Building the neighbour lists, from cells or from all pairs (config search = lists; the paper's Fig. 4), or,
+ * where a deck has near pairs only, from bins finer than the cells.
  *
- * A cell's elements meet the later ones of their own cell, those of the later own cells around it and those of the
- * mirrored cells around it: every pair that has an owned element is met exactly once, from its lower slot. Lists hold
- * the same pairs whatever the search; only the order in a row differs, and no sum depends on order. */
+ * A cell's elements meet the later ones of their own cell, those of the later own cells around it and those
+ * of the mirrored cells around it: every pair that has an owned element is met exactly once, from its lower
+ * slot. Lists hold the same pairs whatever the search; only the order in a row differs, and no sum depends on
+ * order. */
 #include "lists.h"
 
 #include <math.h>
@@ -26,7 +27,7 @@ struct builder {
     double period[2], half[2];      /* infinite halves where a side is not periodic */
     uint32_t row;                   /* the owned slot whose row is being filled */
     size_t far_count, near_count;
-    uint32_t close_a, close_b;      /* an overlapping pair, if any */
+    uint32_t close_a, close_b; /* an overlapping pair, if any */
     bool overlap;
 };
 
@@ -132,7 +133,8 @@ static void consider_near(struct builder *b, uint32_t i, uint32_t j, double r2)
         return;
     bool linked = b->initial && law->initial_link && r2 <= (initial_reach * r0) * (initial_reach * r0) &&
                   !link_missing(b, i, j);
-    /* Between grains neighbours are as far apart as the boundary left them: their links start without force. */
+    /* Between grains neighbours are as far apart as the boundary left them: their links start without force.
+     */
     double stretch = linked && relation == RELATION_OTHER_GRAIN ? sqrt(r2) - r0 : 0.0;
     if (linked || r2 <= reach * reach)
         add_near(b, j, linked, stretch, 0.0);
@@ -142,7 +144,8 @@ static void consider_near(struct builder *b, uint32_t i, uint32_t j, double r2)
 static int reserve_row(struct builder *b, size_t candidates)
 {
     size_t n = b->p->n_own;
-    if (b->m->has_far && far_reserve(&b->lists->far, b->far_count, candidates + SIMD_LANES, FAR_GUESS * n) != 0)
+    if (b->m->has_far &&
+        far_reserve(&b->lists->far, b->far_count, candidates + SIMD_LANES, FAR_GUESS * n) != 0)
         return -1;
     if (b->m->has_near && near_reserve(b->lists, b->near_count, candidates, NEAR_GUESS * n) != 0)
         return -1;
@@ -174,8 +177,9 @@ static int row_from_cells(struct builder *b, const struct cells *cells, int own,
     size_t candidates = cells->start[own + 1] - i;
     for (uint32_t k = cells->ring_start[own]; k < cells->ring_start[own + 1]; k++) {
         int32_t c = cells->ring[k];
-        candidates += c < cells->n_own ? cells->start[c + 1] - cells->start[c]
-                                       : cells->mirror_start[c - cells->n_own + 1] - cells->mirror_start[c - cells->n_own];
+        candidates += c < cells->n_own
+                          ? cells->start[c + 1] - cells->start[c]
+                          : cells->mirror_start[c - cells->n_own + 1] - cells->mirror_start[c - cells->n_own];
     }
     if (reserve_row(b, candidates) != 0)
         return -1;
@@ -195,11 +199,13 @@ static int row_from_cells(struct builder *b, const struct cells *cells, int own,
     return 0;
 }
 
-/* The bins around and with bin `at`, as ranges of bins that lie side by side; writes first and last of up to 9. */
+/* The bins around and with bin `at`, as ranges of bins that lie side by side; writes first and last of up
+ * to 9. */
 static int bin_ranges(const struct grid *g, int at, int first[9], int last[9])
 {
     int i = at % g->cx, j = at / g->cx, count = 0;
-    bool seam = (g->periodic[0] && (i == 0 || i == g->cx - 1)) || (g->periodic[1] && (j == 0 || j == g->cy - 1));
+    bool seam =
+        (g->periodic[0] && (i == 0 || i == g->cx - 1)) || (g->periodic[1] && (j == 0 || j == g->cy - 1));
     if (seam) {
         count = grid_neighbours(g, at, first);
         first[count++] = at;
@@ -219,12 +225,14 @@ static bool bins_serve(struct builder *b)
 {
     const struct grid *cells = &b->m->grid, *g = &b->lists->bins.grid;
     return b->m->config->search == SEARCH_CELLS_AND_LISTS && !b->m->has_far &&
-           bins_lay_out(&b->lists->bins, cells, b->p->r, b->p->n, sqrt(b->near_reach2), 16.0 * (double)b->p->n + 1024.0) &&
+           bins_lay_out(&b->lists->bins, cells, b->p->r, b->p->n, sqrt(b->near_reach2),
+                        16.0 * (double)b->p->n + 1024.0) &&
            (g->cx == 1 || g->lx < 0.6 * cells->lx) && (g->cy == 1 || g->ly < 0.6 * cells->ly);
 }
 
-/* Near pairs alone, from bins: the later slots in the bin of i and in those around it. Those in reach are written where the
- * row's entries will stand, without a branch, and then looked at one by one; entries never overtake them. */
+/* Near pairs alone, from bins: the later slots in the bin of i and in those around it. Those in reach are
+ * written where the row's entries will stand, without a branch, and then looked at one by one; entries never
+ * overtake them. */
 DM2_INLINE int row_from_bins(struct builder *b, uint32_t i, bool periodic)
 {
     const struct bins *bins = &b->lists->bins;
@@ -266,7 +274,8 @@ static void pad_row(struct builder *b)
         b->lists->far.j[b->far_count++] = 2 * (uint32_t)b->p->n;
 }
 
-/* Gives the memory that row i carries over to its entries; a linked pair out of reach of contact gets its own. */
+/* Gives the memory that row i carries over to its entries; a linked pair out of reach of contact gets its
+ * own. */
 static int remember(struct builder *b, uint32_t i)
 {
     struct lists *l = b->lists;
@@ -313,9 +322,11 @@ int lists_carry_reserve(struct lists *l, size_t n_own, void *room, size_t bytes)
     return 0;
 }
 
-static struct builder begin(struct lists *lists, const struct model *m, const struct particles *p, bool initial)
+static struct builder begin(struct lists *lists, const struct model *m, const struct particles *p,
+                            bool initial)
 {
-    double dr = m->config->delta_r, near = m->has_near || initial ? 2.0 * m->radius_max + m->margins.close : 0.0;
+    double dr = m->config->delta_r,
+           near = m->has_near || initial ? 2.0 * m->radius_max + m->margins.close : 0.0;
     struct builder b = {.lists = lists, .m = m, .p = p, .initial = initial};
     if (initial && near < initial_reach * 2.0 * m->radius_max)
         near = initial_reach * 2.0 * m->radius_max;
@@ -356,8 +367,9 @@ enum dm2_status lists_build(struct lists *lists, const struct model *m, const st
             if (m->wide_far)
                 pad_row(&b);
             if (b.far_count > UINT32_MAX || b.near_count > UINT32_MAX) {
-                status = dm2_fail(err, DM2_NUMERIC, "a subdomain's neighbour list has more than 2^32 - 1 pairs: use more "
-                                                    "servers or a smaller r_c");
+                status = dm2_fail(err, DM2_NUMERIC,
+                                  "a subdomain's neighbour list has more than 2^32 - 1 pairs: use more "
+                                  "servers or a smaller r_c");
                 goto done;
             }
         }
@@ -366,11 +378,12 @@ enum dm2_status lists_build(struct lists *lists, const struct model *m, const st
     lists->near.start[p->n_own] = (uint32_t)b.near_count;
     status = DM2_OK;
     if (b.overlap)
-        status = dm2_fail(err, DM2_DECK,
-                          "elements %u and %u start closer than half their contact distance, near (%g, %g) cm: bodies "
-                          "'%s' and '%s' overlap, or a spacing is too small for its radius",
-                          p->id[b.close_a], p->id[b.close_b], p->r[2 * b.close_a], p->r[2 * b.close_a + 1],
-                          m->config->bodies[p->body[b.close_a]].name, m->config->bodies[p->body[b.close_b]].name);
+        status = dm2_fail(
+            err, DM2_DECK,
+            "elements %u and %u start closer than half their contact distance, near (%g, %g) cm: bodies "
+            "'%s' and '%s' overlap, or a spacing is too small for its radius",
+            p->id[b.close_a], p->id[b.close_b], p->r[2 * b.close_a], p->r[2 * b.close_a + 1],
+            m->config->bodies[p->body[b.close_a]].name, m->config->bodies[p->body[b.close_b]].name);
 done:
     if (status == DM2_MEMORY)
         return dm2_fail(err, DM2_MEMORY, "no memory for the neighbour lists of %zu elements", p->n_own);

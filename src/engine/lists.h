@@ -1,8 +1,9 @@
-/* Neighbour lists (paper, sections 2.1 and 4), half: a pair stands in the row of its lower slot, which is owned.
+/* Neighbour lists (paper, sections 2.1 and 4), half: a pair stands in the row of its lower slot, which is
+ * owned.
  *
- * Two lists, because what has no memory and no status costs less: `far` holds the pairs within the cutoff of a
- * potential of scope `all`, plus dR; `near` those that are linked or can come into contact before the margin of
- * close pairs is spent (struct margins), with the memory of each pair. A pair may be in both. */
+ * Two lists, because what has no memory and no status costs less: `far` holds the pairs within the cutoff of
+ * a potential of scope `all`, plus dR; `near` those that are linked or can come into contact before the
+ * margin of close pairs is spent (struct margins), with the memory of each pair. A pair may be in both. */
 #ifndef DM2_ENGINE_LISTS_H
 #define DM2_ENGINE_LISTS_H
 
@@ -20,7 +21,8 @@
 /* One half list: row i is entries start[i] .. start[i+1]-1. */
 struct half_list {
     uint32_t *start; /* [n_own + 1] */
-    uint32_t *j;     /* partner of each entry: its slot in the near list, twice its slot (the component x) in the far list */
+    uint32_t *j; /* partner of each entry: its slot in the near list, twice its slot (the component x) in the
+                    far list */
     size_t row_cap, cap;
 };
 
@@ -31,8 +33,8 @@ struct carried_pair {
     double stretch, spring;
 };
 
-/* The rows of both lists are in two parts. No pair of the first has a mirrored element, so its forces can be evaluated before
- * the mirrored elements' new positions are known. */
+/* The rows of both lists are in two parts. No pair of the first has a mirrored element, so its forces can be
+ * evaluated before the mirrored elements' new positions are known. */
 enum list_part {
     PART_INSIDE, /* rows [0, n_inside): elements of own cells that no mirrored cell surrounds */
     PART_EDGE,   /* rows [n_inside, n_own) */
@@ -51,18 +53,20 @@ struct lists {
     struct bins bins; /* of the last build, where bins served it */
     /* what the next build gives to its entries: the memory of carried pairs, by row */
     uint32_t *rows;
-    double *carried;    /* stretch and spring of each */
+    double *carried;     /* stretch and spring of each */
     uint32_t *carried_b; /* behind them: its b, and CARRIED_LINKED */
-    void *carried_own;  /* the block that both lie in, where the room that was lent is too small */
+    void *carried_own;   /* the block that both lie in, where the room that was lent is too small */
     size_t carried_own_cap, rows_cap;
-    double *kept; /* stretch of the inside's near pairs, behind it linked, in front perhaps spring: lists_keep_memory */
+    double *kept; /* stretch of the inside's near pairs, behind it linked, in front perhaps spring:
+                     lists_keep_memory */
     size_t kept_cap;
 };
 #define CARRIED_LINKED (UINT32_C(1) << 31) /* slots are below 2^31 */
 
-/* Memory is handed over in two passes, so that it needs no room beside its sorted place: start, count every pair by its
- * lower new slot, reserve, then place each of them (a pair may come twice with the same memory). `room` is lent until the
- * lists are built, `bytes` aligned for doubles: 20 bytes a pair are enough. start and reserve: 0, or -1 without memory. */
+/* Memory is handed over in two passes, so that it needs no room beside its sorted place: start, count every
+ * pair by its lower new slot, reserve, then place each of them (a pair may come twice with the same memory).
+ * `room` is lent until the lists are built, `bytes` aligned for doubles: 20 bytes a pair are enough. start
+ * and reserve: 0, or -1 without memory. */
 int lists_carry_start(struct lists *lists, size_t n_own);
 static inline void lists_carry_count(struct lists *lists, uint32_t a)
 {
@@ -77,23 +81,23 @@ static inline void lists_carry_place(struct lists *lists, uint32_t a, struct car
     lists->carried_b[at] = pair.b | (pair.linked ? CARRIED_LINKED : 0u);
 }
 
-/* Builds both lists for the elements of p, which are in cell order, and gives the new entries what was carried (the calls
- * above, for p->n_own rows, come first). With `initial`, lattice neighbours whose interface says so start linked.
- * DM2_MEMORY; DM2_DECK: with `initial`, two elements closer than half their contact distance; DM2_NUMERIC: more than
- * 2^32 - 1 entries. */
+/* Builds both lists for the elements of p, which are in cell order, and gives the new entries what was
+ * carried (the calls above, for p->n_own rows, come first). With `initial`, lattice neighbours whose
+ * interface says so start linked. DM2_MEMORY; DM2_DECK: with `initial`, two elements closer than half their
+ * contact distance; DM2_NUMERIC: more than 2^32 - 1 entries. */
 enum dm2_status lists_build(struct lists *lists, const struct model *m, const struct particles *p,
                             const struct cells *cells, bool initial, struct dm2_error *err);
 
-/* A copy of the memory of the inside's near pairs, and back: what an evaluation ahead changes. `springs`: of those too, where
- * the deck has any. 0, or -1 without memory. */
+/* A copy of the memory of the inside's near pairs, and back: what an evaluation ahead changes. `springs`: of
+ * those too, where the deck has any. 0, or -1 without memory. */
 int lists_keep_memory(struct lists *lists, bool springs);
 void lists_restore_memory(struct lists *lists, bool springs);
 void lists_free(struct lists *lists);
 size_t lists_bytes(const struct lists *lists);
 
 /* The rows of a part: [*first, *last). */
-static inline void lists_rows(const struct lists *l, const struct particles *p, enum list_part part, uint32_t *first,
-                              uint32_t *last)
+static inline void lists_rows(const struct lists *l, const struct particles *p, enum list_part part,
+                              uint32_t *first, uint32_t *last)
 {
     *first = part == PART_INSIDE ? 0 : (uint32_t)l->n_inside;
     *last = (uint32_t)(part == PART_INSIDE ? l->n_inside : p->n_own);

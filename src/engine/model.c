@@ -7,8 +7,8 @@
  *   kt = 4 G h/sqrt 3 - kn, kept within [0, kn/2].
  * A pair of two materials: harmonic mean of K0 and G, mean of S, the weaker of Y and Yt.
  *
- * Every table entry is computed with the pair's kinds in ascending order, so that law(a, b) and law(b, a) have the
- * same bits. */
+ * Every table entry is computed with the pair's kinds in ascending order, so that law(a, b) and law(b, a)
+ * have the same bits. */
 #include "dm2/engine/model.h"
 
 #include <math.h>
@@ -42,7 +42,8 @@ static double or_else(double value, double otherwise)
     return isnan(value) ? otherwise : value;
 }
 
-/* k and shape of the pair at contact distance r0, from an explicit k, plain epsilon and sigma, or Hugoniot data. */
+/* k and shape of the pair at contact distance r0, from an explicit k, plain epsilon and sigma, or Hugoniot
+ * data. */
 static enum dm2_status calibrate_centre(const struct material_config *a, const struct material_config *b,
                                         const struct interaction_config *in, struct pair_law *law,
                                         struct dm2_error *err)
@@ -60,32 +61,41 @@ static enum dm2_status calibrate_centre(const struct material_config *a, const s
     } else {
         double k0 = harmonic_mean(a->rho0 * (a->c0 * a->c0), b->rho0 * (b->c0 * b->c0));
         if (!(k0 > 0.0))
-            return dm2_fail(err, DM2_DECK,
-                            "materials '%s' and '%s' have no stiffness: give them rho0 and c0, or the interaction k, "
-                            "or epsilon and sigma",
-                            a->name, b->name);
+            return dm2_fail(
+                err, DM2_DECK,
+                "materials '%s' and '%s' have no stiffness: give them rho0 and c0, or the interaction k, "
+                "or epsilon and sigma",
+                a->name, b->name);
         law->k = bulk ? 2.0 * k0 / root3 : 4.0 * k0 / (3.0 * root3);
     }
     law->shape = or_else(in->shape, bulk ? (8.0 * s - 3.0) / 3.0 : (16.0 * s + 3.0) / 9.0);
     if (law->potential != POTENTIAL_MORSE)
         law->shape = 0.0;
     else if (!(law->shape > 0.0))
-        return dm2_fail(err, DM2_DECK,
-                        "the Morse potential of '%s' and '%s' has no shape: give the materials s (above %s), or the "
-                        "interaction a shape",
-                        a->name, b->name, bulk ? "3/8 for bulk calibration" : "0");
+        return dm2_fail(
+            err, DM2_DECK,
+            "the Morse potential of '%s' and '%s' has no shape: give the materials s (above %s), or the "
+            "interaction a shape",
+            a->name, b->name, bulk ? "3/8 for bulk calibration" : "0");
     return DM2_OK;
 }
 
-static enum dm2_status build_law(const struct model *m, size_t ia, size_t ib, enum relation relation, struct pair_law *law,
-                                 struct dm2_error *err)
+static enum dm2_status build_law(const struct model *m, size_t ia, size_t ib, enum relation relation,
+                                 struct pair_law *law, struct dm2_error *err)
 {
     const struct config *c = m->config;
     const struct material_config *a = m->kinds[ia].state, *b = m->kinds[ib].state;
-    struct interaction_config in = config_interaction(c, m->kinds[ia].material, m->kinds[ib].material, relation);
-    *law = (struct pair_law){.potential = in.potential, .scope = in.scope, .initial_link = in.linked,
-                             .a_p = in.a_p, .a_t = in.a_t, .t0_mean = 0.5 * (a->t0 + b->t0), .mu = in.mu,
-                             .link_form = in.link_form, .link_break = in.link_break};
+    struct interaction_config in =
+        config_interaction(c, m->kinds[ia].material, m->kinds[ib].material, relation);
+    *law = (struct pair_law){.potential = in.potential,
+                             .scope = in.scope,
+                             .initial_link = in.linked,
+                             .a_p = in.a_p,
+                             .a_t = in.a_t,
+                             .t0_mean = 0.5 * (a->t0 + b->t0),
+                             .mu = in.mu,
+                             .link_form = in.link_form,
+                             .link_break = in.link_break};
     enum dm2_status status = calibrate_centre(a, b, &in, law, err);
     if (status != DM2_OK)
         return status;
@@ -107,8 +117,9 @@ static enum dm2_status build_law(const struct model *m, size_t ia, size_t ib, en
     }
     /* Dry friction needs a spring to load also where the lattice has none: 2/7 kn (Schaefer, Dippel, Wolf,
      * J. Phys. I 6 (1996) 5, use that ratio for discs). */
-    law->kt_contact = in.mu > 0.0 && law->kt_link < 2.0 / 7.0 * law->k && isnan(in.kt_ratio) ? 2.0 / 7.0 * law->k
-                                                                                           : law->kt_link;
+    law->kt_contact = in.mu > 0.0 && law->kt_link < 2.0 / 7.0 * law->k && isnan(in.kt_ratio)
+                          ? 2.0 / 7.0 * law->k
+                          : law->kt_link;
     law->tangential = law->kt_link > 0.0 || law->kt_contact > 0.0 || law->ct > 0.0;
     law->yield_i = or_else(in.yield, or_else(a->yield, INFINITY));
     law->yield_j = or_else(in.yield, or_else(b->yield, INFINITY));
@@ -120,7 +131,8 @@ static enum dm2_status build_law(const struct model *m, size_t ia, size_t ib, en
     return DM2_OK;
 }
 
-/* Where all elements of each kind have one radius, and so one mass, the pair loop finds its constants worked out. */
+/* Where all elements of each kind have one radius, and so one mass, the pair loop finds its constants worked
+ * out. */
 static void uniform_kinds(struct model *m)
 {
     const struct config *c = m->config;
@@ -186,7 +198,8 @@ static enum dm2_status build_laws(struct model *m, struct dm2_error *err)
         }
     }
     const struct pair_law *only = &m->laws[0];
-    m->uniform_far = n == 1 && only[0].scope == SCOPE_ALL && only[1].scope == SCOPE_ALL && only[2].scope == SCOPE_ALL;
+    m->uniform_far =
+        n == 1 && only[0].scope == SCOPE_ALL && only[1].scope == SCOPE_ALL && only[2].scope == SCOPE_ALL;
     for (int rel = 1; rel < RELATION_COUNT && m->uniform_far; rel++)
         m->uniform_far = only[rel].potential == only[0].potential && only[rel].k == only[0].k &&
                          only[rel].shape == only[0].shape && only[rel].eps12 == only[0].eps12 &&
@@ -204,8 +217,8 @@ static double fixed_scale(double largest, int bits)
     return ldexp(1.0, bits - e);
 }
 
-/* Scales from the deck alone. F_ref = k r0 is the force of a bond strained by 100 %. Sums of up to 64 pairs of 2^57
- * fit in 64 bits; the far sums use the 51 bits that adding 1.5 * 2^52 leaves, see force.c. */
+/* Scales from the deck alone. F_ref = k r0 is the force of a bond strained by 100 %. Sums of up to 64 pairs
+ * of 2^57 fit in 64 bits; the far sums use the 51 bits that adding 1.5 * 2^52 leaves, see force.c. */
 static void choose_scales(struct model *m)
 {
     const struct config *c = m->config;
@@ -226,10 +239,14 @@ static void choose_scales(struct model *m)
     }
     mass_total = mass * (double)(m->n_elements > 0 ? m->n_elements : 1);
     heat = heat > force * r0 ? heat : force * r0;
-    m->fixed = (struct fixed_scales){.far_force = fixed_scale(force, 39), .force = fixed_scale(force, 45),
-                                     .torque = fixed_scale(force * r0, 45), .heat = fixed_scale(heat, 56),
-                                     .virial = fixed_scale(force * r0, 45), .around = fixed_scale(r0 * r0, 44),
-                                     .energy = fixed_scale(force * r0, 50), .energy_left = 30};
+    m->fixed = (struct fixed_scales){.far_force = fixed_scale(force, 39),
+                                     .force = fixed_scale(force, 45),
+                                     .torque = fixed_scale(force * r0, 45),
+                                     .heat = fixed_scale(heat, 56),
+                                     .virial = fixed_scale(force * r0, 45),
+                                     .around = fixed_scale(r0 * r0, 44),
+                                     .energy = fixed_scale(force * r0, 50),
+                                     .energy_left = 30};
     m->fixed.over_far_force = 1.0 / m->fixed.far_force;
     m->fixed.over_force = 1.0 / m->fixed.force;
     m->fixed.over_torque = 1.0 / m->fixed.torque;
@@ -293,10 +310,12 @@ static void limit_time_step(struct model *m, double dt, const char *mode, size_t
     m->dt_kinds[1] = b;
 }
 
-/* The largest stable step of an element of this mass among neighbours of this law: omega^2 dt^2 + 2 gamma dt < 4 for its
- * stiffest mode. Translation omega^2 = (6 kn + 2 kt)/m, gamma = (6 c_n + 2 c_t)/m; rotation omega^2 = 24 kt/m, gamma = 24
- * c_t/m. The factors of damping with P and T are not known before the run and not in it. */
-static void limit_by_law(struct model *m, double mass, double m_eff, size_t a, size_t b, const struct pair_law *law)
+/* The largest stable step of an element of this mass among neighbours of this law: omega^2 dt^2 + 2 gamma dt
+ * < 4 for its stiffest mode. Translation omega^2 = (6 kn + 2 kt)/m, gamma = (6 c_n + 2 c_t)/m; rotation
+ * omega^2 = 24 kt/m, gamma = 24 c_t/m. The factors of damping with P and T are not known before the run and
+ * not in it. */
+static void limit_by_law(struct model *m, double mass, double m_eff, size_t a, size_t b,
+                         const struct pair_law *law)
 {
     static const char *const modes[2][2] = {{"translation", "damping of the translation"},
                                             {"rotation", "damping of the rotation"}};
@@ -312,9 +331,9 @@ static void limit_by_law(struct model *m, double mass, double m_eff, size_t a, s
     }
 }
 
-/* Over all elements and the laws that they can come under. m_eff is that of the two masses where their kinds have one
- * each, and else with the heaviest element of the deck for a partner: never too small. Heat: the shortest wave of the
- * hexagonal lattice, 9 kappa/sqrt(3) / (m cp) dt < 2. */
+/* Over all elements and the laws that they can come under. m_eff is that of the two masses where their kinds
+ * have one each, and else with the heaviest element of the deck for a partner: never too small. Heat: the
+ * shortest wave of the hexagonal lattice, 9 kappa/sqrt(3) / (m cp) dt < 2. */
 static void stable_time_step(struct model *m)
 {
     const struct config *c = m->config;
@@ -340,7 +359,8 @@ static void stable_time_step(struct model *m)
                 if (c->bodies[body].motion == MOTION_FREE) /* what is driven does not vibrate */
                     limit_by_law(m, mass, m_eff, a, b, law);
                 if (law->conduction > 0.0 && isfinite(cp))
-                    limit_time_step(m, 2.0 * mass * cp / (9.0 / root3 * law->conduction), "heat conduction", a, b);
+                    limit_time_step(m, 2.0 * mass * cp / (9.0 / root3 * law->conduction), "heat conduction",
+                                    a, b);
             }
         }
     }
@@ -352,12 +372,13 @@ static enum dm2_status check_time_step(const struct model *m, struct dm2_error *
     struct kind_name a, b;
     if (c->dt < m->dt_stable)
         return DM2_OK;
-    return config_fail(c->dt_place, err, DM2_DECK,
-                       "the time step dt = %g us is not below the stable one, %g us (limit: %s, '%s' with '%s'): choose dt "
-                       "below %.2g us%s",
-                       c->dt, m->dt_stable, m->dt_mode, config_kind_name(c, m->dt_kinds[0], &a),
-                       config_kind_name(c, m->dt_kinds[1], &b), 0.8 * m->dt_stable,
-                       strncmp(m->dt_mode, "damping", 7) == 0 ? ", or zeta and ct_ratio smaller" : "");
+    return config_fail(
+        c->dt_place, err, DM2_DECK,
+        "the time step dt = %g us is not below the stable one, %g us (limit: %s, '%s' with '%s'): choose dt "
+        "below %.2g us%s",
+        c->dt, m->dt_stable, m->dt_mode, config_kind_name(c, m->dt_kinds[0], &a),
+        config_kind_name(c, m->dt_kinds[1], &b), 0.8 * m->dt_stable,
+        strncmp(m->dt_mode, "damping", 7) == 0 ? ", or zeta and ct_ratio smaller" : "");
 }
 
 static enum dm2_status count_element(void *context, const struct element *element, struct dm2_error *err)
@@ -375,12 +396,14 @@ static enum dm2_status check_reach(const struct model *m, struct dm2_error *err)
         const struct pair_law *law = &m->laws[i];
         double reach = 2.0 * m->radius_max * (law->near && law->link_break > 1.0 ? law->link_break : 1.0);
         if (law->near && c->r_c < reach)
-            return dm2_fail(err, DM2_DECK,
-                            "r_c = %g cm is below %g cm, the distance up to which elements touch or stay linked "
-                            "(link_break (R_i + R_j)): make r_c at least that",
-                            c->r_c, reach);
+            return dm2_fail(
+                err, DM2_DECK,
+                "r_c = %g cm is below %g cm, the distance up to which elements touch or stay linked "
+                "(link_break (R_i + R_j)): make r_c at least that",
+                c->r_c, reach);
         if (law->cutoff2 > c->r_c * c->r_c)
-            return dm2_fail(err, DM2_DECK, "a cutoff of %g cm is beyond r_c = %g cm: make r_c at least the cutoff",
+            return dm2_fail(err, DM2_DECK,
+                            "a cutoff of %g cm is beyond r_c = %g cm: make r_c at least the cutoff",
                             sqrt(law->cutoff2), c->r_c);
     }
     return DM2_OK;
@@ -397,8 +420,8 @@ static void sizes_of(const struct model *m, int material, double *least, double 
     }
 }
 
-/* The largest radius of any element at any time, and by what factor one may grow. Who becomes the product of a reaction
- * brings the size it had along, and the phases of the product change that. */
+/* The largest radius of any element at any time, and by what factor one may grow. Who becomes the product of
+ * a reaction brings the size it had along, and the phases of the product change that. */
 static void bound_sizes(struct model *m)
 {
     const struct reaction_config *r = m->config->n_reactions > 0 ? &m->config->reactions[0] : NULL;
@@ -418,8 +441,8 @@ static void bound_sizes(struct model *m)
     m->radius_max *= largest;
 }
 
-/* The energy of a phase is that of the one it forms from, plus the latent heat, less what the difference of heat
- * capacities makes up to the temperature at which the latent heat is meant. */
+/* The energy of a phase is that of the one it forms from, plus the latent heat, less what the difference of
+ * heat capacities makes up to the temperature at which the latent heat is meant. */
 static void build_kinds(struct model *m)
 {
     const struct config *c = m->config;
@@ -427,9 +450,14 @@ static void build_kinds(struct model *m)
         const struct phase_config *phase = i < c->n_materials ? NULL : &c->phases[i - c->n_materials];
         const struct material_config *state = phase == NULL ? &c->materials[i] : &phase->state;
         struct kind *kind = &m->kinds[i];
-        *kind = (struct kind){.material = phase == NULL ? (int)i : phase->material, .state = state, .phase = phase,
-                              .size = 1.0, .t0 = state->t0, .tm = or_else(state->tm, INFINITY),
-                              .softening = state->softening, .cp = or_else(state->cp, INFINITY)};
+        *kind = (struct kind){.material = phase == NULL ? (int)i : phase->material,
+                              .state = state,
+                              .phase = phase,
+                              .size = 1.0,
+                              .t0 = state->t0,
+                              .tm = or_else(state->tm, INFINITY),
+                              .softening = state->softening,
+                              .cp = or_else(state->cp, INFINITY)};
         kind->over_cp = 1.0 / kind->cp;
         kind->over_range = 1.0 / (kind->tm - kind->t0);
         if (phase == NULL)
@@ -441,8 +469,9 @@ static void build_kinds(struct model *m)
             kind->energy -= (kind->cp - from->cp) * (phase->t_line - kind->t0);
         double least_cp = kind->cp < from->cp ? kind->cp : from->cp;
         double latent = phase->latent > 0.0 ? phase->latent : 0.0;
-        kind->hysteresis = phase->transition == TRANSITION_PRESSURE ? phase->hysteresis_p
-                                                                    : or_else(phase->hysteresis_t, 1.1 * latent / least_cp);
+        kind->hysteresis = phase->transition == TRANSITION_PRESSURE
+                               ? phase->hysteresis_p
+                               : or_else(phase->hysteresis_t, 1.1 * latent / least_cp);
         if (isnan(c->materials[phase->material].mass))
             kind->size = sqrt(c->materials[phase->material].rho0 / state->rho0);
     }
@@ -451,13 +480,14 @@ static void build_kinds(struct model *m)
     m->has_kinds = m->has_phases || c->n_reactions > 0;
 }
 
-/* Where elements interact by links and contact alone, lists reach so far beyond contact that the second neighbours of a
- * lattice stay out of them though it be compressed by a tenth: pairs that cost little, and fewer rebuilds. They cannot reach
- * beyond R_c + dR, which cells exceed. */
+/* Where elements interact by links and contact alone, lists reach so far beyond contact that the second
+ * neighbours of a lattice stay out of them though it be compressed by a tenth: pairs that cost little, and
+ * fewer rebuilds. They cannot reach beyond R_c + dR, which cells exceed. */
 static struct margins margins_of(const struct model *m)
 {
     double contact = 2.0 * m->radius_max, dr = m->config->delta_r, reach = m->config->r_c + dr;
-    struct margins of = {.close = dr, .wide = reach - (m->has_far && m->far_cutoff > contact ? m->far_cutoff : contact)};
+    struct margins of = {.close = dr,
+                         .wide = reach - (m->has_far && m->far_cutoff > contact ? m->far_cutoff : contact)};
     double more = second_shell * contact < of.wide ? second_shell * contact : of.wide;
     if (!m->has_far && more > dr)
         of.close = more;
@@ -469,7 +499,8 @@ static void build_reaction(struct model *m)
     const struct config *c = m->config;
     if (c->n_reactions == 0)
         return;
-    const double gas_constant = 8.31446261815324e-5; /* g cm2/us2/mol/K; CODATA 2018, 8.31446261815324 J/mol/K */
+    const double gas_constant =
+        8.31446261815324e-5; /* g cm2/us2/mol/K; CODATA 2018, 8.31446261815324 J/mol/K */
     const struct reaction_config *r = &c->reactions[0];
     double least = INFINITY, mass = 0.0;
     for (size_t b = 0; b < c->n_bodies; b++) {
@@ -479,20 +510,26 @@ static void build_reaction(struct model *m)
             mass = one > mass ? one : mass;
         }
     }
-    m->reaction = (struct reaction_table){.any = true, .reactant = {r->reactant[0], r->reactant[1]},
-                                          .product = r->product, .stoichiometric = r->kind == REACTION_STOICHIOMETRIC,
-                                          .share = {0.5, 0.5}, .k0 = r->k0, .theta = r->ea / gas_constant,
-                                          .heat = r->heat, .threshold = r->threshold,
+    m->reaction = (struct reaction_table){.any = true,
+                                          .reactant = {r->reactant[0], r->reactant[1]},
+                                          .product = r->product,
+                                          .stoichiometric = r->kind == REACTION_STOICHIOMETRIC,
+                                          .share = {0.5, 0.5},
+                                          .k0 = r->k0,
+                                          .theta = r->ea / gas_constant,
+                                          .heat = r->heat,
+                                          .threshold = r->threshold,
                                           .mass_scale = fixed_scale(mass, 56)};
     for (int a = 0; a < 2 && m->reaction.stoichiometric; a++)
         m->reaction.share[a] = r->masses[a] / (r->masses[0] + r->masses[1]);
-    /* Equal discs have six neighbours, eight when crushed; a large one may touch up to the 64 that sums allow. */
+    /* Equal discs have six neighbours, eight when crushed; a large one may touch up to the 64 that sums
+     * allow. */
     m->reaction.limit = m->radius_max <= 1.5 * least ? 1.0 / 8.0 : 1.0 / 64.0;
     m->has_heat = true;
 }
 
-/* Sites of a crystal are looked for in a box along its rows, those of a grain in one that is hardly more than four times the
- * grain. */
+/* Sites of a crystal are looked for in a box along its rows, those of a grain in one that is hardly more than
+ * four times the grain. */
 static double places_of(const struct body_config *b)
 {
     double box[4];
@@ -542,19 +579,23 @@ enum dm2_status model_build_watched(const struct config *config, struct pulse pu
     build_reaction(m);
     status = build_laws(m, err);
     if (status == DM2_OK && m->has_kinds && m->has_far)
-        status = dm2_fail(err, DM2_DECK, "phases and reactions need interactions of scope linked: their energies are those of "
-                                         "linked and contacting pairs");
+        status =
+            dm2_fail(err, DM2_DECK,
+                     "phases and reactions need interactions of scope linked: their energies are those of "
+                     "linked and contacting pairs");
     if (status == DM2_OK)
         status = check_reach(m, err);
     for (size_t i = 0; i < m->n_kinds; i++)
         m->has_heat |= isfinite(m->kinds[i].tm) && isfinite(m->kinds[i].cp) && m->has_near;
     m->has_strain = config->output.strain;
     if (status == DM2_OK && m->has_strain && !m->has_near)
-        status = dm2_fail(err, DM2_DECK,
-                          "strain = yes measures the motion of linked or touching neighbours, and no interaction of "
-                          "this deck links or meets (scope = all): leave it out");
+        status = dm2_fail(
+            err, DM2_DECK,
+            "strain = yes measures the motion of linked or touching neighbours, and no interaction of "
+            "this deck links or meets (scope = all): leave it out");
     if (status == DM2_OK)
-        status = grid_build(config->origin, config->size, config->periodic, config->r_c + config->delta_r, &m->grid, err);
+        status = grid_build(config->origin, config->size, config->periodic, config->r_c + config->delta_r,
+                            &m->grid, err);
     if (status == DM2_OK)
         status = generate_elements(m, count_element, &m->n_elements, err);
     if (status != DM2_OK) {

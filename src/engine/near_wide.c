@@ -1,13 +1,15 @@
-/* Links four at a time: pair_interact of law.h in the lanes of a vector, for what most pairs of a solid do at most
- * steps: a Morse bond that does not break, with damping, yield in tension, shear spring and plastic slip, viscosity,
- * conduction. Every lane does the operations of the plain path in the same order, so the bits do not tell which ran;
- * one that needs more (it breaks, closes a void, leaves the range) takes the plain path.
+/* Links four at a time: pair_interact of law.h in the lanes of a vector, for what most pairs of a solid do at
+ * most steps: a Morse bond that does not break, with damping, yield in tension, shear spring and plastic
+ * slip, viscosity, conduction. Every lane does the operations of the plain path in the same order, so the
+ * bits do not tell which ran; one that needs more (it breaks, closes a void, leaves the range) takes the
+ * plain path.
  *
- * A pair's chain of operations is some hundreds of cycles long, and a processor looks ahead no further than about one
- * quad. So a block of quads goes through three short stages, one after the other: in each, the next quad does not wait for
- * the one before it.
+ * A pair's chain of operations is some hundreds of cycles long, and a processor looks ahead no further than
+ * about one quad. So a block of quads goes through three short stages, one after the other: in each, the next
+ * quad does not wait for the one before it.
  *
- * Doubles become integers by adding 1.5 * 2^52 (see far.c), which rounds as llrint does, so here the range is 2^50. */
+ * Doubles become integers by adding 1.5 * 2^52 (see far.c), which rounds as llrint does, so here the range is
+ * 2^50. */
 #include <math.h>
 
 #include "dm2/base/simd.h"
@@ -24,13 +26,13 @@ struct lanes {
     simd_real x, e, f;                 /* bond length, exp(-alpha (x - r0)), central force */
 };
 
-#define OF_I(array) ((simd_real){(array)[q->i[0]], (array)[q->i[1]], (array)[q->i[2]], (array)[q->i[3]]})
-#define OF_J(array) ((simd_real){(array)[q->j[0]], (array)[q->j[1]], (array)[q->j[2]], (array)[q->j[3]]})
-#define OF_K(array) ((simd_real){(array)[q->k[0]], (array)[q->k[1]], (array)[q->k[2]], (array)[q->k[3]]})
-#define LESSER(a, b) SIMD_CHOOSE((a) < (b), a, b)
-#define FIXED(x) ((simd_int)((x) + shifter) - (simd_int)(zero + shifter))
+#define OF_I(array)   ((simd_real){(array)[q->i[0]], (array)[q->i[1]], (array)[q->i[2]], (array)[q->i[3]]})
+#define OF_J(array)   ((simd_real){(array)[q->j[0]], (array)[q->j[1]], (array)[q->j[2]], (array)[q->j[3]]})
+#define OF_K(array)   ((simd_real){(array)[q->k[0]], (array)[q->k[1]], (array)[q->k[2]], (array)[q->k[3]]})
+#define LESSER(a, b)  SIMD_CHOOSE((a) < (b), a, b)
+#define FIXED(x)      ((simd_int)((x) + shifter) - (simd_int)(zero + shifter))
 #define KEPT(x, left) ((simd_real)((simd_int)(x) & ~(left))) /* 0 in the lanes left */
-#define MAGNITUDE(x) ((simd_real)((simd_int)(x) & (simd_int){INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX}))
+#define MAGNITUDE(x)  ((simd_real)((simd_int)(x) & (simd_int){INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX}))
 
 /* Four rows of four integers, transposed: component c of lane q becomes component q of lane c. */
 DM2_INLINE void transpose(const simd_int in[4], simd_int out[4])
@@ -43,9 +45,10 @@ DM2_INLINE void transpose(const simd_int in[4], simd_int out[4])
     out[3] = SIMD_HIGH(b, d);
 }
 
-/* Adds the effects to the sums of both elements of each pair. far: what differs in the second four sums of j. */
-DM2_INLINE void scatter(const struct link_quad *q, int64_t *pair_sum, const simd_int force[4], const simd_int other_i[4],
-                        const simd_int other_j[4])
+/* Adds the effects to the sums of both elements of each pair. far: what differs in the second four sums of j.
+ */
+DM2_INLINE void scatter(const struct link_quad *q, int64_t *pair_sum, const simd_int force[4],
+                        const simd_int other_i[4], const simd_int other_j[4])
 {
     simd_int *sums = (simd_int *)(void *)pair_sum; /* cache lines: aligned */
     simd_int f[4], oi[4], oj[4];
@@ -112,7 +115,8 @@ DM2_INLINE void differences(const double *array, const struct link_quad *q, simd
     *y = SIMD_ODD(even, odd);
 }
 
-/* Stage 1: how the two stand and move. The sums of j, most of which were last touched a step ago, are fetched meanwhile. */
+/* Stage 1: how the two stand and move. The sums of j, most of which were last touched a step ago, are fetched
+ * meanwhile. */
 DM2_INLINE void geometry(const struct pass *pass, const struct link_quad *q, bool periodic, struct lanes *out)
 {
     const simd_real zero = {0.0};
@@ -139,7 +143,8 @@ DM2_INLINE void geometry(const struct pass *pass, const struct link_quad *q, boo
 }
 
 /* Stage 2: the Morse force. Beyond the range of exp_lanes e means nothing, which stage 3 sees by x. */
-DM2_INLINE void central(const struct pair_law *law, const struct lists *l, const struct link_quad *q, struct lanes *at)
+DM2_INLINE void central(const struct pair_law *law, const struct lists *l, const struct link_quad *q,
+                        struct lanes *at)
 {
     at->x = at->r - OF_K(l->stretch);
     simd_real power = law->shape - law->bond.alpha * at->x;
@@ -152,8 +157,8 @@ struct tally {
     simd_int virial[VIRIAL_COUNT], around[AROUND_COUNT], potential, elastic;
 };
 
-/* The same numbers as near_measure in force.c, of fn, ft and the energy of the springs. Lanes where one leaves the range are added
- * to *left. */
+/* The same numbers as near_measure in force.c, of fn, ft and the energy of the springs. Lanes where one
+ * leaves the range are added to *left. */
 DM2_INLINE void measure_lanes(const struct pass *pass, const struct bond *bond, const struct lanes *at,
                               const simd_real of[3], struct tally *out, simd_int *left)
 {
@@ -166,7 +171,8 @@ DM2_INLINE void measure_lanes(const struct pass *pass, const struct bond *bond, 
     simd_real xy = 0.5 * (dx * fy + dy * fx) * scale->virial;
     simd_real potential = bond->energy * ((1.0 - at->e) * (1.0 - at->e)) * scale->energy;
     simd_real elastic = of[2] * scale->energy;
-    simd_real largest = MAGNITUDE(xx) + MAGNITUDE(yy) + MAGNITUDE(xy) + MAGNITUDE(potential) + MAGNITUDE(elastic);
+    simd_real largest =
+        MAGNITUDE(xx) + MAGNITUDE(yy) + MAGNITUDE(xy) + MAGNITUDE(potential) + MAGNITUDE(elastic);
     *left |= ~(largest < 0x1p50);
     dx = KEPT(dx, *left);
     dy = KEPT(dy, *left);
@@ -182,7 +188,8 @@ DM2_INLINE void measure_lanes(const struct pass *pass, const struct bond *bond, 
 }
 
 /* Adds it to both elements of each pair but those left, and the energies of those that count here. */
-DM2_INLINE void add_tally(struct pass *pass, const struct link_quad *q, const struct tally *t, const simd_int *left)
+DM2_INLINE void add_tally(struct pass *pass, const struct link_quad *q, const struct tally *t,
+                          const simd_int *left)
 {
     struct particles *p = pass->p;
     simd_int *sums = (simd_int *)(void *)p->virial, virial[4];
@@ -191,7 +198,8 @@ DM2_INLINE void add_tally(struct pass *pass, const struct link_quad *q, const st
     for (int c = 0; c < SIMD_LANES; c++) {
         if ((*left)[c])
             continue;
-        int64_t *i = p->around + AROUND_COUNT * (size_t)q->i[c], *j = p->around + AROUND_COUNT * (size_t)q->j[c];
+        int64_t *i = p->around + AROUND_COUNT * (size_t)q->i[c],
+                *j = p->around + AROUND_COUNT * (size_t)q->j[c];
         sums[q->i[c]] += virial[c];
         sums[q->j[c]] += virial[c];
         for (int a = 0; a < AROUND_COUNT; a++) {
@@ -209,10 +217,11 @@ DM2_INLINE void add_tally(struct pass *pass, const struct link_quad *q, const st
     exact_add_units(&pass->elastic, elastic, pass->m->fixed.energy_left);
 }
 
-/* Yield in tension, where *pulled is set: the residual stretch with which the bond holds its strength `cap`, the heat of
- * getting there, and the bond as it is then. A lane in which no length is the right one is added to *left. */
-DM2_INLINE void yield_lanes(const struct pair_law *law, const simd_real *cap, const simd_int *pulled, struct lanes *at,
-                            simd_real *stretch, simd_real *heat, simd_int *left)
+/* Yield in tension, where *pulled is set: the residual stretch with which the bond holds its strength `cap`,
+ * the heat of getting there, and the bond as it is then. A lane in which no length is the right one is added
+ * to *left. */
+DM2_INLINE void yield_lanes(const struct pair_law *law, const simd_real *cap, const simd_int *pulled,
+                            struct lanes *at, simd_real *stretch, simd_real *heat, simd_int *left)
 {
     const struct bond *bond = &law->bond;
     simd_real q = *cap * law->shape / (law->k * bond->r0), root = 1.0 - 4.0 * q, log, e;
@@ -235,10 +244,10 @@ static inline bool all_linked(const struct lists *l, const struct link_quad *q)
     return l->linked[q->k[0]] & l->linked[q->k[1]] & l->linked[q->k[2]] & l->linked[q->k[3]];
 }
 
-/* Stage 3: everything else, and the sums. *left are the lanes whose pairs must take the plain path: nothing was added or
- * changed for them. */
-DM2_INLINE void interact(struct pass *pass, struct lists *l, const struct pair_law *law, const struct link_quad *q,
-                         struct lanes *at, bool spin, bool measure, simd_int *left)
+/* Stage 3: everything else, and the sums. *left are the lanes whose pairs must take the plain path: nothing
+ * was added or changed for them. */
+DM2_INLINE void interact(struct pass *pass, struct lists *l, const struct pair_law *law,
+                         const struct link_quad *q, struct lanes *at, bool spin, bool measure, simd_int *left)
 {
     const struct fixed_scales *scale = &pass->m->fixed;
     const struct particles *p = pass->p;
@@ -273,7 +282,8 @@ DM2_INLINE void interact(struct pass *pass, struct lists *l, const struct pair_l
         cn = cn * SIMD_CHOOSE(change > 0.0, change, zero);
     }
     simd_real fdn = -cn * at->vn, fn = at->f + fdn;
-    simd_real ft = zero, fdt = zero, arm_i = zero, arm_j = zero, freed = torn, damped = zero, before = zero, spring = zero;
+    simd_real ft = zero, fdt = zero, arm_i = zero, arm_j = zero, freed = torn, damped = zero, before = zero,
+              spring = zero;
     if (tangential) {
         simd_real share = at->r * bond->over_r0;
         before = OF_K(l->spring);
@@ -286,7 +296,8 @@ DM2_INLINE void interact(struct pass *pass, struct lists *l, const struct pair_l
             simd_int slips = law->kt_link * MAGNITUDE(spring) > held;
             held = held / law->kt_link;
             held = (simd_real)(((simd_int)held & ~sign) | ((simd_int)spring & sign));
-            freed = freed + SIMD_CHOOSE(slips, law->kt_link * (0.5 * (before + held)) * (spring - held), zero);
+            freed =
+                freed + SIMD_CHOOSE(slips, law->kt_link * (0.5 * (before + held)) * (spring - held), zero);
             spring = SIMD_CHOOSE(slips, held, spring);
         }
         simd_real fs = -law->kt_link * spring;
@@ -297,7 +308,8 @@ DM2_INLINE void interact(struct pass *pass, struct lists *l, const struct pair_l
     damped = damped - fdn * at->vn * pass->dt_kick;
     simd_real gained = zero;
     if (law->conduction > 0.0)
-        gained = law->conduction * (bond->area * over) * (OF_J(p->temperature) - OF_I(p->temperature)) * pass->dt_kick;
+        gained = law->conduction * (bond->area * over) * (OF_J(p->temperature) - OF_I(p->temperature)) *
+                 pass->dt_kick;
 
     simd_real largest = (MAGNITUDE(fn) + MAGNITUDE(fdn)) + (MAGNITUDE(ft) + MAGNITUDE(fdt));
     simd_real heat = MAGNITUDE(freed) + MAGNITUDE(damped) + MAGNITUDE(gained);

@@ -1,4 +1,5 @@
-/* What the pair loops (far.c, force.c, near_wide.c) share: one evaluation in progress. Private to the engine. */
+/* What the pair loops (far.c, force.c, near_wide.c) share: one evaluation in progress. Private to the engine.
+ */
 #ifndef DM2_ENGINE_PAIR_PASS_H
 #define DM2_ENGINE_PAIR_PASS_H
 
@@ -8,10 +9,12 @@
 
 #include "force.h"
 
-/* Largest magnitude that near effects and energies may have in fixed point: 64 pairs may meet in one element. */
+/* Largest magnitude that near effects and energies may have in fixed point: 64 pairs may meet in one element.
+ */
 #define FIXED_RANGE 0x1p57
 
-/* Nearest integer of a scaled double, halves to even; |scaled| < FIXED_RANGE. Odd. One instruction on most machines. */
+/* Nearest integer of a scaled double, halves to even; |scaled| < FIXED_RANGE. Odd. One instruction on most
+ * machines. */
 static inline int64_t to_fixed(double scaled)
 {
     return llrint(scaled);
@@ -25,12 +28,12 @@ struct pass {
     double dt_kick, dt_path;
     struct pair_totals *totals;
     struct exact_sum potential, elastic;
-    enum list_part part;      /* whose rows are taken */
-    uint32_t bad_i, bad_j;    /* a pair out of range, if any */
+    enum list_part part;   /* whose rows are taken */
+    uint32_t bad_i, bad_j; /* a pair out of range, if any */
     bool bad, no_memory;
-    bool ahead;               /* the inside has been evaluated */
-    bool far_plain;           /* measured far pairs have left the range of lanes: start again without */
-    bool plain;               /* take no fast path: the check of the debug flavour */
+    bool ahead;                /* the inside has been evaluated */
+    bool far_plain;            /* measured far pairs have left the range of lanes: start again without */
+    bool plain;                /* take no fast path: the check of the debug flavour */
     struct force_check *check; /* of the debug flavour */
 };
 
@@ -49,11 +52,14 @@ static inline bool counts_here(const struct particles *p, uint32_t i, uint32_t j
     return j < p->n_own || p->id[i] < p->id[j];
 }
 
-static inline void add_virial(const struct pass *pass, uint32_t i, uint32_t j, double dx, double dy, double fx, double fy)
+static inline void add_virial(const struct pass *pass, uint32_t i, uint32_t j, double dx, double dy,
+                              double fx, double fy)
 {
     double s = pass->m->fixed.virial;
-    int64_t xx = to_fixed(dx * fx * s), yy = to_fixed(dy * fy * s), xy = to_fixed(0.5 * (dx * fy + dy * fx) * s);
-    int64_t *vi = pass->p->virial + VIRIAL_COUNT * (size_t)i, *vj = pass->p->virial + VIRIAL_COUNT * (size_t)j;
+    int64_t xx = to_fixed(dx * fx * s), yy = to_fixed(dy * fy * s),
+            xy = to_fixed(0.5 * (dx * fy + dy * fx) * s);
+    int64_t *vi = pass->p->virial + VIRIAL_COUNT * (size_t)i,
+            *vj = pass->p->virial + VIRIAL_COUNT * (size_t)j;
     vi[0] += xx;
     vi[1] += yy;
     vi[2] += xy;
@@ -68,7 +74,8 @@ void far_evaluate(struct pass *pass, struct lists *lists);
 /* Evaluates entry k of the near row of i by the plain path. */
 typedef void take_single(struct pass *pass, struct lists *lists, uint32_t i, uint32_t k);
 
-/* The quads of lists->links[pass->part], which are sorted; `single` takes the links that need more than most. */
+/* The quads of lists->links[pass->part], which are sorted; `single` takes the links that need more than most.
+ */
 void near_wide(struct pass *pass, struct lists *lists, take_single *single);
 
 #endif

@@ -1,6 +1,7 @@
-/* The arrays of a subdomain. One table lists them, and what of a deck's physics needs each, so that growing, freeing and
- * counting cannot forget one; needs_of is the one place that says which physics a model has. An array that no physics of
- * the deck needs is NULL: memory per element is what limits the size of a problem. */
+/* The arrays of a subdomain. One table lists them, and what of a deck's physics needs each, so that growing,
+ * freeing and counting cannot forget one; needs_of is the one place that says which physics a model has. An
+ * array that no physics of the deck needs is NULL: memory per element is what limits the size of a problem.
+ */
 #include "particles.h"
 
 #include <math.h>
@@ -13,10 +14,10 @@
 /* What may need an array. */
 enum need {
     ALWAYS = 1,
-    FAR = 2,       /* potentials of scope all; or no pairs at all, so that there is one array of sums */
-    NEAR = 4,      /* contacts and links */
-    HEAT = 8,      /* a temperature that changes, or may differ from T0 from the start */
-    WORK = 16,     /* a body force, or elements whose motion is prescribed */
+    FAR = 2,   /* potentials of scope all; or no pairs at all, so that there is one array of sums */
+    NEAR = 4,  /* contacts and links */
+    HEAT = 8,  /* a temperature that changes, or may differ from T0 from the start */
+    WORK = 16, /* a body force, or elements whose motion is prescribed */
     PRESSURE = 32,
     KINDS = 64,
     REACTION = 128,
@@ -29,17 +30,36 @@ struct column {
     enum need need;
 };
 
-#define COLUMN(field, count, need) \
-    {offsetof(struct particles, field), (count) * sizeof *((struct particles *)0)->field, need}
+#define COLUMN(field, count, need)                                                                           \
+    {                                                                                                        \
+        offsetof(struct particles, field), (count) * sizeof *((struct particles *)0)->field, need            \
+    }
 static const struct column columns[] = {
-    COLUMN(r, 2, ALWAYS), COLUMN(v, 2, ALWAYS), COLUMN(radius, 1, ALWAYS), COLUMN(mass, 1, ALWAYS),
-    COLUMN(id, 1, ALWAYS), COLUMN(grain, 1, ALWAYS), COLUMN(kind, 1, ALWAYS), COLUMN(body, 1, ALWAYS),
-    COLUMN(flags, 1, ALWAYS), COLUMN(probes, 1, ALWAYS), COLUMN(w, 1, ALWAYS), COLUMN(bonds, 1, NEAR),
-    COLUMN(heat, 1, ALWAYS), COLUMN(temperature, 1, HEAT), COLUMN(soft, 1, HEAT), COLUMN(work, 1, WORK),
-    COLUMN(p, 1, PRESSURE), COLUMN(moved, 1, KINDS), COLUMN(was, 1, KINDS), COLUMN(share, 2, REACTION),
+    COLUMN(r, 2, ALWAYS),
+    COLUMN(v, 2, ALWAYS),
+    COLUMN(radius, 1, ALWAYS),
+    COLUMN(mass, 1, ALWAYS),
+    COLUMN(id, 1, ALWAYS),
+    COLUMN(grain, 1, ALWAYS),
+    COLUMN(kind, 1, ALWAYS),
+    COLUMN(body, 1, ALWAYS),
+    COLUMN(flags, 1, ALWAYS),
+    COLUMN(probes, 1, ALWAYS),
+    COLUMN(w, 1, ALWAYS),
+    COLUMN(bonds, 1, NEAR),
+    COLUMN(heat, 1, ALWAYS),
+    COLUMN(temperature, 1, HEAT),
+    COLUMN(soft, 1, HEAT),
+    COLUMN(work, 1, WORK),
+    COLUMN(p, 1, PRESSURE),
+    COLUMN(moved, 1, KINDS),
+    COLUMN(was, 1, KINDS),
+    COLUMN(share, 2, REACTION),
     COLUMN(strain, 3, STRAIN),
     /* what only one force evaluation needs */
-    COLUMN(far_sum, 2, FAR), COLUMN(pair_sum, SUM_COUNT, NEAR), COLUMN(virial, VIRIAL_COUNT, ALWAYS),
+    COLUMN(far_sum, 2, FAR),
+    COLUMN(pair_sum, SUM_COUNT, NEAR),
+    COLUMN(virial, VIRIAL_COUNT, ALWAYS),
     COLUMN(around, AROUND_COUNT, NEAR),
 };
 enum { COLUMNS = sizeof columns / sizeof columns[0], STATE_COLUMNS = COLUMNS - 4 };
@@ -122,9 +142,17 @@ size_t particles_sum_bytes(const struct particles *p)
 
 void particles_get(const struct particles *p, size_t i, struct element *out)
 {
-    *out = (struct element){.id = p->id[i], .grain = p->grain[i], .body = p->body[i], .kind = p->kind[i],
-                            .flags = p->flags[i], .probes = p->probes[i], .radius = p->radius[i], .mass = p->mass[i],
-                            .r = {p->r[2 * i], p->r[2 * i + 1]}, .v = {p->v[2 * i], p->v[2 * i + 1]}, .w = p->w[i],
+    *out = (struct element){.id = p->id[i],
+                            .grain = p->grain[i],
+                            .body = p->body[i],
+                            .kind = p->kind[i],
+                            .flags = p->flags[i],
+                            .probes = p->probes[i],
+                            .radius = p->radius[i],
+                            .mass = p->mass[i],
+                            .r = {p->r[2 * i], p->r[2 * i + 1]},
+                            .v = {p->v[2 * i], p->v[2 * i + 1]},
+                            .w = p->w[i],
                             .heat = p->heat[i]};
     if (p->groups & NEAR)
         out->bonds = p->bonds[i];
@@ -190,7 +218,8 @@ int particles_permute(struct particles *p, const uint32_t *from, size_t n)
         return -1;
     if (p->n == 0)
         return 0;
-    /* The sums are free between evaluations, and as wide as any column of the state: strain needs near pairs. */
+    /* The sums are free between evaluations, and as wide as any column of the state: strain needs near pairs.
+     */
     char *scratch = (char *)(p->pair_sum != NULL ? p->pair_sum : p->far_sum);
     for (size_t c = 0; c < STATE_COLUMNS; c++) {
         if (!has_column(p, c))
@@ -212,10 +241,12 @@ double particles_heat_capacity(const struct particles *p, const struct model *m,
 {
     const struct reaction_table *x = &m->reaction;
     const struct kind *kind = &m->kinds[p->kind[i]];
-    if (!x->any || (kind->material != x->reactant[0] && kind->material != x->reactant[1] && kind->material != x->product))
+    if (!x->any || (kind->material != x->reactant[0] && kind->material != x->reactant[1] &&
+                    kind->material != x->product))
         return kind->cp;
     const int material[3] = {x->reactant[0], x->reactant[1], x->product};
-    const double part[3] = {p->share[2 * i], p->share[2 * i + 1], 1.0 - p->share[2 * i] - p->share[2 * i + 1]};
+    const double part[3] = {p->share[2 * i], p->share[2 * i + 1],
+                            1.0 - p->share[2 * i] - p->share[2 * i + 1]};
     double cp = 0.0;
     for (int k = 0; k < 3; k++)
         cp += part[k] * (material[k] == kind->material ? kind->cp : m->kinds[material[k]].cp);

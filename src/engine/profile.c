@@ -1,5 +1,5 @@
-/* Sums over bins (docs/physics.md, section 12). Velocities are those of the whole step, as in the history; stress is
- * the mean of leapfrog_stress, each element weighted by the volume of its cell at rest. */
+/* Sums over bins (docs/physics.md, section 12). Velocities are those of the whole step, as in the history;
+ * stress is the mean of leapfrog_stress, each element weighted by the volume of its cell at rest. */
 #include "dm2/engine/profile.h"
 
 #include <math.h>
@@ -29,7 +29,8 @@ static bool add_element(const struct model *m, const struct particles *p, size_t
                         struct profile_bin *bin)
 {
     const struct measure_scales *s = &m->scales;
-    double v[2], w, stress[3], d = 2.0 * p->radius[i], volume = 0x1.bb67ae8584caap-1 * (d * d); /* sqrt(3)/2 d^2 h */
+    double v[2], w, stress[3], d = 2.0 * p->radius[i],
+                               volume = 0x1.bb67ae8584caap-1 * (d * d); /* sqrt(3)/2 d^2 h */
     leapfrog_whole_velocity(m, p, i, step, v, &w);
     leapfrog_stress(m, p, i, stress);
     bin->elements++;
@@ -49,10 +50,11 @@ enum dm2_status profile_add(const struct model *m, const struct particles *p, co
     for (size_t i = 0; i < p->n_own; i++) {
         long bin = profile_bin_of(c, p->r[2 * i + (size_t)c->axis]);
         if (bin >= 0 && !add_element(m, p, i, step, &bins[bin]))
-            return dm2_fail(err, DM2_NUMERIC,
-                            "step %lld: element %u at (%g, %g) cm left the range that the sums of profile '%s' can "
-                            "hold: the run is unstable; choose a smaller dt",
-                            (long long)step, p->id[i], p->r[2 * i], p->r[2 * i + 1], c->name);
+            return dm2_fail(
+                err, DM2_NUMERIC,
+                "step %lld: element %u at (%g, %g) cm left the range that the sums of profile '%s' can "
+                "hold: the run is unstable; choose a smaller dt",
+                (long long)step, p->id[i], p->r[2 * i], p->r[2 * i + 1], c->name);
     }
     return DM2_OK;
 }

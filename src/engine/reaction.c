@@ -4,8 +4,8 @@
  * contact takes at most a fixed part of it (1/8; 1/64 where discs differ so much that one may touch many), so
  * that no order of pairs can overdraw an element. Masses are added as integers: any order and any number of
  * servers give the same bits, and what A and B lose is exactly what product gains, since an element's product
- * is what its two fractions leave of 1. Each element gets the heat of the product that forms in it, so that both
- * come to the same temperature.
+ * is what its two fractions leave of 1. Each element gets the heat of the product that forms in it, so that
+ * both come to the same temperature.
  *
  * Rates are those at the evaluation; they are taken after the move, so that a row of the history sees
  * neither. */

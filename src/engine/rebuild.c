@@ -1,20 +1,24 @@
-/* dmax and surveys. All is a comparison of sums; the guess for the next step may be wrong both ways: a rebuild
- * too early costs time, a missed one costs the distributed run a second round trip. Neither changes a result.
+/* dmax and surveys. All is a comparison of sums; the guess for the next step may be wrong both ways: a
+ * rebuild too early costs time, a missed one costs the distributed run a second round trip. Neither changes a
+ * result.
  *
- * Two bounds of what a pair can have approached come out of a survey: twice the longest displacement, the better one
- * where motion has no direction, and the diagonal of the box of all displacements, the better one where bodies
- * move as wholes. Where elements only touch, they are sorted into bins as well, and the displacements in each bin are compared
- * with those in the bins around it. After a survey bounds grow by 2 dmax again, so as one gets near its margin surveys become
- * frequent; one costs about as much as integrating positions, a rebuild as much as a few steps.
+ * Two bounds of what a pair can have approached come out of a survey: twice the longest displacement, the
+ * better one where motion has no direction, and the diagonal of the box of all displacements, the better one
+ * where bodies move as wholes. Where elements only touch, they are sorted into bins as well, and the
+ * displacements in each bin are compared with those in the bins around it. After a survey bounds grow by 2
+ * dmax again, so as one gets near its margin surveys become frequent; one costs about as much as integrating
+ * positions, a rebuild as much as a few steps.
  *
- * The mirrored elements in a survey are a step behind: those that it compares can have come nearer by dmax since.
+ * The mirrored elements in a survey are a step behind: those that it compares can have come nearer by dmax
+ * since.
  */
 #include "dm2/engine/rebuild.h"
 
 #include <math.h>
 
-static const double GROWTH = 1.1;       /* of dmax from one step to the next that the guess allows for */
-static const double ROUNDING = 1e-9;    /* share of a margin left for the rounding of positions and of these sums */
+static const double GROWTH = 1.1; /* of dmax from one step to the next that the guess allows for */
+static const double ROUNDING =
+    1e-9; /* share of a margin left for the rounding of positions and of these sums */
 
 struct spread spread_none(void)
 {

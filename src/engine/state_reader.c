@@ -1,7 +1,9 @@
-/* Where each record of a state is. Slots are in cell order, records in the order of ids: an index of slots by id, and
- * one of the near list's entries by the lower id of the pair, a few of which are then sorted by the higher one.
+/* Where each record of a state is. Slots are in cell order, records in the order of ids: an index of slots by
+ * id, and one of the near list's entries by the lower id of the pair, a few of which are then sorted by the
+ * higher one.
  *
- * The owner of the lower id of a pair has its row or is its partner, so that every pair is found in some row here. */
+ * The owner of the lower id of a pair has its row or is its partner, so that every pair is found in some row
+ * here. */
 #include "state_reader.h"
 
 #include <stdlib.h>
@@ -72,8 +74,8 @@ static void sort_row(const struct state_reader *r, struct reader_pair *pair, siz
     }
 }
 
-/* start[s] counts the records whose lower id is in slot s; then it is the cursor of that slot's records, which lie in the
- * order of ids, and ends where they do. */
+/* start[s] counts the records whose lower id is in slot s; then it is the cursor of that slot's records,
+ * which lie in the order of ids, and ends where they do. */
 static enum dm2_status index_pairs(struct state_reader *r, uint32_t *start)
 {
     const uint32_t *row = r->lists->near.start;
@@ -104,8 +106,8 @@ static enum dm2_status index_pairs(struct state_reader *r, uint32_t *start)
     return DM2_OK;
 }
 
-enum dm2_status state_reader_open(struct state_reader *r, const struct particles *p, const struct lists *lists,
-                                  bool pairs, struct dm2_error *err)
+enum dm2_status state_reader_open(struct state_reader *r, const struct particles *p,
+                                  const struct lists *lists, bool pairs, struct dm2_error *err)
 {
     *r = (struct state_reader){.p = p, .lists = lists, .n_elements = p->n_own};
     uint32_t *start = mem_alloc(p->n_own, sizeof *start);
@@ -138,6 +140,9 @@ void state_reader_pair(const struct state_reader *r, size_t k, struct pair_recor
 {
     const struct lists *l = r->lists;
     uint32_t entry = r->pair[k].entry, a = r->p->id[r->pair[k].row], b = r->p->id[l->near.j[entry]];
-    *out = (struct pair_record){.id_a = a < b ? a : b, .id_b = a < b ? b : a, .linked = l->linked[entry],
-                                .stretch = l->stretch[entry], .spring = l->spring[entry]};
+    *out = (struct pair_record){.id_a = a < b ? a : b,
+                                .id_b = a < b ? b : a,
+                                .linked = l->linked[entry],
+                                .stretch = l->stretch[entry],
+                                .spring = l->spring[entry]};
 }

@@ -1,5 +1,5 @@
-/* The state of a subdomain, record by record in the order of a state file, without a copy of it: some 40 bytes per
- * element say where each record is. */
+/* The state of a subdomain, record by record in the order of a state file, without a copy of it: some 40
+ * bytes per element say where each record is. */
 #ifndef DM2_ENGINE_STATE_READER_H
 #define DM2_ENGINE_STATE_READER_H
 
@@ -20,14 +20,15 @@ struct state_reader {
     const struct particles *p;
     const struct lists *lists;
     size_t n_elements, n_pairs;
-    uint32_t *slot;           /* [n_elements] of owned elements, ids ascending */
-    struct reader_pair *pair; /* [n_pairs] of those with memory whose lower id is owned, (id_a, id_b) ascending */
+    uint32_t *slot; /* [n_elements] of owned elements, ids ascending */
+    struct reader_pair
+        *pair; /* [n_pairs] of those with memory whose lower id is owned, (id_a, id_b) ascending */
 };
 
-/* Finds the order; p and lists are borrowed until state_reader_free and must not change. With `pairs` false n_pairs is
- * 0. DM2_MEMORY. */
-enum dm2_status state_reader_open(struct state_reader *r, const struct particles *p, const struct lists *lists,
-                                  bool pairs, struct dm2_error *err);
+/* Finds the order; p and lists are borrowed until state_reader_free and must not change. With `pairs` false
+ * n_pairs is 0. DM2_MEMORY. */
+enum dm2_status state_reader_open(struct state_reader *r, const struct particles *p,
+                                  const struct lists *lists, bool pairs, struct dm2_error *err);
 void state_reader_free(struct state_reader *r);
 
 /* The k-th element, the k-th pair. */

@@ -1,11 +1,12 @@
 /* Strain by least squares over the interacting neighbours.
  *
- * Each pair adds r (x) r and du (x) r, du = dv dt, to both its elements as 64-bit integers, so that the sums do not
- * depend on order, nor the strain on the number of servers; both are even in the pair's orientation. Lengths are in
- * units of the largest contact distance r0, with 2^-48 r0^2 as the quantum: strain increments are good to about 1e-14.
+ * Each pair adds r (x) r and du (x) r, du = dv dt, to both its elements as 64-bit integers, so that the sums
+ * do not depend on order, nor the strain on the number of servers; both are even in the pair's orientation.
+ * Lengths are in units of the largest contact distance r0, with 2^-48 r0^2 as the quantum: strain increments
+ * are good to about 1e-14.
  *
- * With r midway between the last two positions, r(n) - du/2, the increment of a homogeneous stretch from l to l' is
- * 2 (l' - l)/(l' + l): the sum of many is the logarithmic strain, to second order in the time step. */
+ * With r midway between the last two positions, r(n) - du/2, the increment of a homogeneous stretch from l to
+ * l' is 2 (l' - l)/(l' + l): the sum of many is the logarithmic strain, to second order in the time step. */
 #include "strain.h"
 
 #include <math.h>
@@ -19,8 +20,8 @@ enum strain_sum { RXX, RYY, RXY, UXX, UXY, UYX, UYY }; /* UXY: du_x r_y */
 static const double quantum_bits = 0x1p48;
 static const double range = 0x1p57; /* of one pair's part: 64 pairs may meet in one element */
 
-/* Neighbours whose second moments have det <= 2^-6 (trace)^2 lie on one line, within some 14 degrees: what they say
- * of the motion across it is noise. */
+/* Neighbours whose second moments have det <= 2^-6 (trace)^2 lie on one line, within some 14 degrees: what
+ * they say of the motion across it is noise. */
 static const double on_one_line = 0x1p-6;
 
 void strain_free(struct strain_sums *s)
@@ -50,9 +51,9 @@ static inline int64_t to_fixed(double scaled)
 /* False where the pair's part is out of range. */
 static bool add_pair(int64_t *a, int64_t *b, const double r[2], const double u[2], double scale)
 {
-    const double part[STRAIN_SUMS] = {[RXX] = r[0] * r[0], [RYY] = r[1] * r[1], [RXY] = r[0] * r[1],
-                                      [UXX] = u[0] * r[0], [UXY] = u[0] * r[1],
-                                      [UYX] = u[1] * r[0], [UYY] = u[1] * r[1]};
+    const double part[STRAIN_SUMS] = {
+        [RXX] = r[0] * r[0], [RYY] = r[1] * r[1], [RXY] = r[0] * r[1], [UXX] = u[0] * r[0],
+        [UXY] = u[0] * r[1], [UYX] = u[1] * r[0], [UYY] = u[1] * r[1]};
     for (int k = 0; k < STRAIN_SUMS; k++) {
         double scaled = part[k] * scale;
         if (!(fabs(scaled) < range))
@@ -77,8 +78,8 @@ static void add_increment(const int64_t *sum, double strain[3])
     strain[2] += 0.5 * ((uxy * xx - uxx * xy) + (uyx * yy - uyy * xy)) / det;
 }
 
-enum dm2_status strain_add(const struct model *m, struct particles *p, const struct lists *lists, double dt_path,
-                           int64_t step, struct strain_sums *s, struct dm2_error *err)
+enum dm2_status strain_add(const struct model *m, struct particles *p, const struct lists *lists,
+                           double dt_path, int64_t step, struct strain_sums *s, struct dm2_error *err)
 {
     if (dt_path == 0.0)
         return DM2_OK;
@@ -105,10 +106,11 @@ enum dm2_status strain_add(const struct model *m, struct particles *p, const str
             for (int a = 0; a < 2; a++)
                 r[a] -= 0.5 * u[a];
             if (!add_pair(s->sum + STRAIN_SUMS * i, s->sum + STRAIN_SUMS * j, r, u, scale))
-                return dm2_fail(err, DM2_NUMERIC,
-                                "step %lld: elements %u and %u, near (%g, %g) cm, pass each other too fast to measure "
-                                "strain; a smaller dt may help",
-                                (long long)step, p->id[i], p->id[j], p->r[2 * i], p->r[2 * i + 1]);
+                return dm2_fail(
+                    err, DM2_NUMERIC,
+                    "step %lld: elements %u and %u, near (%g, %g) cm, pass each other too fast to measure "
+                    "strain; a smaller dt may help",
+                    (long long)step, p->id[i], p->id[j], p->r[2 * i], p->r[2 * i + 1]);
         }
         /* Pairs with lower slots stood in earlier rows: all of i is summed. */
         add_increment(s->sum + STRAIN_SUMS * i, p->strain + 3 * i);

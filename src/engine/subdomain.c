@@ -1,13 +1,14 @@
-/* One subdomain: who is in it, and the order of things in a time step. The parts are in their own files: cells.c,
- * lists.c, force.c, leapfrog.c.
+/* One subdomain: who is in it, and the order of things in a time step. The parts are in their own files:
+ * cells.c, lists.c, force.c, leapfrog.c.
  *
- * Invariants between calls: owned elements are slots [0, n_own) in cell order; mirrored ones follow, sorted by
- * (owner, id), so that each rank's mirrors are one range in the order in which that rank sends their updates: its
- * send lists are sorted by id. Both sides derive these orders from the elements alone; no ids travel in an update.
+ * Invariants between calls: owned elements are slots [0, n_own) in cell order; mirrored ones follow, sorted
+ * by (owner, id), so that each rank's mirrors are one range in the order in which that rank sends their
+ * updates: its send lists are sorted by id. Both sides derive these orders from the elements alone; no ids
+ * travel in an update.
  *
  * At a rebuild an element's new cell decides its new owner and who mirrors it. The old owner knows the whole
- * partition, so it sends everything in one parcel per rank: migrants with the memory of their pairs, and mirrors
- * also of those that it sends away. */
+ * partition, so it sends everything in one parcel per rank: migrants with the memory of their pairs, and
+ * mirrors also of those that it sends away. */
 #include "dm2/engine/subdomain.h"
 
 #include <math.h>
@@ -60,8 +61,8 @@ struct slot_array {
 struct peer {
     struct element_array migrants, mirrors; /* of the parcel being made */
     struct pair_array pairs;
-    struct slot_array send;                 /* owned slots that it mirrors, by id */
-    size_t mirror_begin, mirror_end;        /* slots mirrored from it */
+    struct slot_array send;          /* owned slots that it mirrors, by id */
+    size_t mirror_begin, mirror_end; /* slots mirrored from it */
 };
 
 struct subdomain {
@@ -72,21 +73,22 @@ struct subdomain {
     struct cells cells;
     struct particles p;
     struct lists lists;
-    struct peer *peers;    /* [ranks] */
-    struct idmap ids;      /* of mirrored elements and immigrants, for the memory of pairs */
+    struct peer *peers;               /* [ranks] */
+    struct idmap ids;                 /* of mirrored elements and immigrants, for the memory of pairs */
     struct block from, moved, old_id; /* of settle */
-    struct block anchors;  /* positions at the last rebuild: 2 doubles each; of mirrored elements where surveys_close */
-    struct block spreads;  /* of a survey's bins, where the pair sums have no room for them */
-    struct bins near_by;   /* the anchors, for surveys; edges longer than R_c + dR */
-    bool binned;           /* they have been sorted since the last rebuild */
-    int32_t *cell_of;      /* global cell of each owned slot at the last sort_out; -1: emigrated */
+    struct block
+        anchors; /* positions at the last rebuild: 2 doubles each; of mirrored elements where surveys_close */
+    struct block spreads; /* of a survey's bins, where the pair sums have no room for them */
+    struct bins near_by;  /* the anchors, for surveys; edges longer than R_c + dR */
+    bool binned;          /* they have been sorted since the last rebuild */
+    int32_t *cell_of;     /* global cell of each owned slot at the last sort_out; -1: emigrated */
     size_t cell_cap;
-    size_t n_leaving;      /* emigrants of the last sort_out, still in their slots until take_in */
+    size_t n_leaving; /* emigrants of the last sort_out, still in their slots until take_in */
     struct pair_totals totals;
-    struct pass pass;      /* the evaluation under way, where one was begun ahead */
+    struct pass pass; /* the evaluation under way, where one was begun ahead */
     struct strain_sums strain;
     struct reaction_sums reacted; /* of the last evaluation */
-    bool measured;         /* totals, virial, surroundings, links and contacts are of the present step */
+    bool measured; /* totals, virial, surroundings, links and contacts are of the present step */
     struct subdomain_times times;
 };
 
@@ -144,7 +146,7 @@ static int cell_of_element(const struct subdomain *sd, const double r[2])
     return grid_cell(sd->map.grid, r[0], r[1]);
 }
 
-/* --- taking elements in ---------------------------------------------------------------------------------------- */
+/* --- taking elements in --- */
 
 struct keyed {
     uint64_t key; /* owner, id */
@@ -159,8 +161,8 @@ static int by_key(const void *a, const void *b)
 
 /* Counts per own cell, then new slots: stayers first in a cell, then newcomers. from[slot] is the old slot or
  * PARTICLES_NONE; newcomer_slot[k] where newcomer k goes; moved[old slot] is the new slot of a stayer. */
-static void assign_slots(struct subdomain *sd, size_t n_old, const struct element *const *newcomers, size_t n_new,
-                         uint32_t *from, uint32_t *newcomer_slot, uint32_t *moved)
+static void assign_slots(struct subdomain *sd, size_t n_old, const struct element *const *newcomers,
+                         size_t n_new, uint32_t *from, uint32_t *newcomer_slot, uint32_t *moved)
 {
     struct cells *c = &sd->cells;
     memset(c->start, 0, ((size_t)c->n_own + 1) * sizeof *c->start);
@@ -172,7 +174,8 @@ static void assign_slots(struct subdomain *sd, size_t n_old, const struct elemen
         c->start[c->local_of[cell_of_element(sd, newcomers[k]->r)] + 1]++;
     for (int cell = 0; cell < c->n_own; cell++)
         c->start[cell + 1] += c->start[cell];
-    /* start[cell] is used as the cursor of its cell and ends as start[cell + 1]; then all are shifted back. */
+    /* start[cell] is used as the cursor of its cell and ends as start[cell + 1]; then all are shifted back.
+     */
     for (size_t i = 0; i < n_old; i++) {
         moved[i] = PARTICLES_NONE;
         if (sd->cell_of[i] < 0)
@@ -192,7 +195,8 @@ static void assign_slots(struct subdomain *sd, size_t n_old, const struct elemen
 }
 
 /* Puts the mirrors into slots from n_own on, sorted by (owner, id), and notes each rank's range. */
-static enum dm2_status place_mirrors(struct subdomain *sd, struct keyed *mirrors, size_t n, struct dm2_error *err)
+static enum dm2_status place_mirrors(struct subdomain *sd, struct keyed *mirrors, size_t n,
+                                     struct dm2_error *err)
 {
     int32_t *cells = mem_alloc(n, sizeof *cells);
     if (cells == NULL)
@@ -210,8 +214,8 @@ static enum dm2_status place_mirrors(struct subdomain *sd, struct keyed *mirrors
         cells[k] = cell_of_element(sd, mirrors[k].e->r);
         particles_put(&sd->p, sd->model, slot, mirrors[k].e);
         if (!idmap_add(&sd->ids, mirrors[k].e->id, (int32_t)slot))
-            status = dm2_fail(err, DM2_PROTOCOL, "step %lld: element %u came twice to server %d", (long long)sd->step,
-                              mirrors[k].e->id, sd->rank);
+            status = dm2_fail(err, DM2_PROTOCOL, "step %lld: element %u came twice to server %d",
+                              (long long)sd->step, mirrors[k].e->id, sd->rank);
     }
     if (status == DM2_OK && cells_assign_mirrored(&sd->cells, &sd->p, cells) != 0)
         status = no_memory(sd, err);
@@ -268,8 +272,10 @@ static int build_send_lists(struct subdomain *sd)
     return 0;
 }
 
-/* New slot of an element that was in old slot i: a stayer's, else that of the newcomer or mirror of its id. */
-static int32_t new_slot(const struct subdomain *sd, const uint32_t *moved, size_t n_old, size_t i, uint32_t id)
+/* New slot of an element that was in old slot i: a stayer's, else that of the newcomer or mirror of its id.
+ */
+static int32_t new_slot(const struct subdomain *sd, const uint32_t *moved, size_t n_old, size_t i,
+                        uint32_t id)
 {
     if (i < n_old && moved[i] != PARTICLES_NONE)
         return (int32_t)moved[i];
@@ -292,7 +298,8 @@ static void carry(struct subdomain *sd, bool place, int32_t a, int32_t b, struct
 }
 
 /* What the lists remember, in new slots. old_id[] are the ids of all old slots, mirrored ones too. */
-static void carry_memory(struct subdomain *sd, bool place, size_t n_old, const uint32_t *moved, const uint32_t *old_id)
+static void carry_memory(struct subdomain *sd, bool place, size_t n_old, const uint32_t *moved,
+                         const uint32_t *old_id)
 {
     const struct lists *l = &sd->lists;
     for (size_t i = 0; i < n_old; i++) {
@@ -300,13 +307,16 @@ static void carry_memory(struct subdomain *sd, bool place, size_t n_old, const u
             if (!lists_remembers(l, k))
                 continue;
             size_t j = l->near.j[k];
-            struct carried_pair pair = {.linked = l->linked[k], .stretch = l->stretch[k], .spring = l->spring[k]};
-            carry(sd, place, new_slot(sd, moved, n_old, i, old_id[i]), new_slot(sd, moved, n_old, j, old_id[j]), pair);
+            struct carried_pair pair = {
+                .linked = l->linked[k], .stretch = l->stretch[k], .spring = l->spring[k]};
+            carry(sd, place, new_slot(sd, moved, n_old, i, old_id[i]),
+                  new_slot(sd, moved, n_old, j, old_id[j]), pair);
         }
     }
 }
 
-/* New slot by id alone: mirrors and newcomers are in the map; stayers are looked up among `stayers`, sorted by id. */
+/* New slot by id alone: mirrors and newcomers are in the map; stayers are looked up among `stayers`, sorted
+ * by id. */
 static int32_t slot_of_id(const struct subdomain *sd, const struct id_slot *stayers, size_t n, uint32_t id)
 {
     struct id_slot key = {.id = id};
@@ -338,8 +348,10 @@ static void carry_parcels(struct subdomain *sd, bool place, const struct parcel 
     for (size_t q = 0; q < n_parcels; q++) {
         for (size_t k = 0; k < parcels[q].n_pairs; k++) {
             const struct pair_record *from = &parcels[q].pairs[k];
-            struct carried_pair pair = {.linked = from->linked != 0, .stretch = from->stretch, .spring = from->spring};
-            carry(sd, place, slot_of_id(sd, stayers, n, from->id_a), slot_of_id(sd, stayers, n, from->id_b), pair);
+            struct carried_pair pair = {
+                .linked = from->linked != 0, .stretch = from->stretch, .spring = from->spring};
+            carry(sd, place, slot_of_id(sd, stayers, n, from->id_a), slot_of_id(sd, stayers, n, from->id_b),
+                  pair);
         }
     }
 }
@@ -357,7 +369,8 @@ static int carry_all(struct subdomain *sd, const struct parcel *parcels, size_t 
     int status = lists_carry_start(&sd->lists, sd->p.n_own);
     for (int place = 0; place < 2 && status == 0; place++) {
         if (place)
-            status = lists_carry_reserve(&sd->lists, sd->p.n_own, sd->p.pair_sum, particles_sum_bytes(&sd->p));
+            status =
+                lists_carry_reserve(&sd->lists, sd->p.n_own, sd->p.pair_sum, particles_sum_bytes(&sd->p));
         if (status == 0 && !initial)
             carry_memory(sd, place, n_old, moved, old_id);
         if (status == 0)
@@ -379,8 +392,8 @@ static bool kinds_known(const struct model *m, const struct element *e)
     return e->kind < m->n_kinds && e->was < m->n_kinds;
 }
 
-static enum dm2_status gather(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels, struct intake *in,
-                              struct dm2_error *err)
+static enum dm2_status gather(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels,
+                              struct intake *in, struct dm2_error *err)
 {
     size_t most_new = 0, most_mirrors = 0;
     for (size_t q = 0; q < n_parcels; q++) {
@@ -395,16 +408,21 @@ static enum dm2_status gather(struct subdomain *sd, const struct parcel *parcels
         for (size_t k = 0; k < parcels[q].n_migrants; k++) {
             const struct element *e = &parcels[q].migrants[k];
             if (!kinds_known(sd->model, e) || sd->map.owner[cell_of_element(sd, e->r)] != sd->rank)
-                return dm2_fail(err, DM2_PROTOCOL, "step %lld: element %u at (%g, %g) cm came to server %d, which does not own "
-                                "its cell", (long long)sd->step, e->id, e->r[0], e->r[1], sd->rank);
+                return dm2_fail(err, DM2_PROTOCOL,
+                                "step %lld: element %u at (%g, %g) cm came to server %d, which does not own "
+                                "its cell",
+                                (long long)sd->step, e->id, e->r[0], e->r[1], sd->rank);
             in->newcomers[in->n_newcomers++] = e;
         }
         for (size_t k = 0; k < parcels[q].n_mirrors; k++) {
             const struct element *e = &parcels[q].mirrors[k];
             int cell = cell_of_element(sd, e->r);
             if (!kinds_known(sd->model, e) || sd->cells.local_of[cell] < sd->cells.n_own)
-                return dm2_fail(err, DM2_PROTOCOL, "step %lld: element %u at (%g, %g) cm came as a mirror to server %d, which does "
-                                "not mirror its cell", (long long)sd->step, e->id, e->r[0], e->r[1], sd->rank);
+                return dm2_fail(
+                    err, DM2_PROTOCOL,
+                    "step %lld: element %u at (%g, %g) cm came as a mirror to server %d, which does "
+                    "not mirror its cell",
+                    (long long)sd->step, e->id, e->r[0], e->r[1], sd->rank);
             in->mirrors[in->n_mirrors++] = (struct keyed){(uint64_t)sd->map.owner[cell] << 32 | e->id, e};
         }
     }
@@ -412,8 +430,8 @@ static enum dm2_status gather(struct subdomain *sd, const struct parcel *parcels
 }
 
 /* Puts everybody into slots in cell order and hands the memory of pairs over to the lists to be built. */
-static enum dm2_status arrange(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels, bool initial,
-                              struct dm2_error *err)
+static enum dm2_status arrange(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels,
+                               bool initial, struct dm2_error *err)
 {
     size_t n_old = sd->p.n_own, n_all_old = sd->p.n, stayers = 0;
     struct intake in = {0};
@@ -451,8 +469,8 @@ static enum dm2_status arrange(struct subdomain *sd, const struct parcel *parcel
     for (size_t k = 0; k < in.n_newcomers; k++) {
         particles_put(&sd->p, sd->model, newcomer_slot[k], in.newcomers[k]);
         if (!idmap_add(&sd->ids, in.newcomers[k]->id, (int32_t)newcomer_slot[k])) {
-            status = dm2_fail(err, DM2_PROTOCOL, "step %lld: element %u came twice to server %d", (long long)sd->step,
-                              in.newcomers[k]->id, sd->rank);
+            status = dm2_fail(err, DM2_PROTOCOL, "step %lld: element %u came twice to server %d",
+                              (long long)sd->step, in.newcomers[k]->id, sd->rank);
             goto done;
         }
     }
@@ -495,13 +513,14 @@ static enum dm2_status build_lists(struct subdomain *sd, bool initial, struct dm
 }
 
 /* The whole of a rebuild's second half. */
-static enum dm2_status settle(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels, struct dm2_error *err)
+static enum dm2_status settle(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels,
+                              struct dm2_error *err)
 {
     enum dm2_status status = arrange(sd, parcels, n_parcels, false, err);
     return status == DM2_OK ? build_lists(sd, false, err) : status;
 }
 
-/* --- creation -------------------------------------------------------------------------------------------------- */
+/* --- creation --- */
 
 static enum dm2_status begin(const struct model *model, const struct domain_map *map, int rank, int64_t step,
                              struct subdomain **out, struct dm2_error *err)
@@ -538,13 +557,18 @@ static enum dm2_status choose(void *context, const struct element *e, struct dm2
     return DM2_OK;
 }
 
-/* The whole set-up, with nothing old. The records are freed as soon as the elements are in their slots: lists need the
- * room. */
-static enum dm2_status settle_chosen(struct subdomain *sd, struct chooser *chosen, const struct pair_record *pairs,
-                                     size_t n_pairs, bool initial, struct dm2_error *err)
+/* The whole set-up, with nothing old. The records are freed as soon as the elements are in their slots: lists
+ * need the room. */
+static enum dm2_status settle_chosen(struct subdomain *sd, struct chooser *chosen,
+                                     const struct pair_record *pairs, size_t n_pairs, bool initial,
+                                     struct dm2_error *err)
 {
-    struct parcel parcel = {.migrants = chosen->own.item, .n_migrants = chosen->own.n, .mirrors = chosen->mirrors.item,
-                            .n_mirrors = chosen->mirrors.n, .pairs = (struct pair_record *)pairs, .n_pairs = n_pairs};
+    struct parcel parcel = {.migrants = chosen->own.item,
+                            .n_migrants = chosen->own.n,
+                            .mirrors = chosen->mirrors.item,
+                            .n_mirrors = chosen->mirrors.n,
+                            .pairs = (struct pair_record *)pairs,
+                            .n_pairs = n_pairs};
     enum dm2_status status = arrange(sd, &parcel, 1, initial, err);
     free(chosen->own.item);
     free(chosen->mirrors.item);
@@ -589,8 +613,8 @@ enum dm2_status subdomain_create(const struct model *model, const struct domain_
     return DM2_OK;
 }
 
-enum dm2_status subdomain_restore(const struct model *model, const struct domain_map *map, int rank, int64_t step,
-                                  const struct element *elements, size_t n_elements,
+enum dm2_status subdomain_restore(const struct model *model, const struct domain_map *map, int rank,
+                                  int64_t step, const struct element *elements, size_t n_elements,
                                   const struct pair_record *pairs, size_t n_pairs, struct subdomain **out,
                                   struct dm2_error *err)
 {
@@ -657,10 +681,11 @@ size_t subdomain_mirrored(const struct subdomain *sd)
 
 size_t subdomain_bytes(const struct subdomain *sd)
 {
-    size_t bytes = sizeof *sd + particles_bytes(&sd->p) + lists_bytes(&sd->lists) + cells_bytes(&sd->cells, &sd->map) +
-                   sd->cell_cap * sizeof *sd->cell_of + sd->ids.slots * 8 + sd->from.cap + sd->moved.cap + sd->old_id.cap +
-                   sd->anchors.cap + sd->spreads.cap + bins_bytes(&sd->near_by) +
-                   sd->strain.cap * STRAIN_SUMS * sizeof *sd->strain.sum + sd->reacted.cap * sizeof *sd->reacted.item;
+    size_t bytes =
+        sizeof *sd + particles_bytes(&sd->p) + lists_bytes(&sd->lists) + cells_bytes(&sd->cells, &sd->map) +
+        sd->cell_cap * sizeof *sd->cell_of + sd->ids.slots * 8 + sd->from.cap + sd->moved.cap +
+        sd->old_id.cap + sd->anchors.cap + sd->spreads.cap + bins_bytes(&sd->near_by) +
+        sd->strain.cap * STRAIN_SUMS * sizeof *sd->strain.sum + sd->reacted.cap * sizeof *sd->reacted.item;
     for (int r = 0; r < sd->map.ranks; r++)
         bytes += sd->peers[r].send.cap * sizeof(uint32_t) +
                  (sd->peers[r].migrants.cap + sd->peers[r].mirrors.cap) * sizeof(struct element) +
@@ -668,7 +693,7 @@ size_t subdomain_bytes(const struct subdomain *sd)
     return bytes;
 }
 
-/* --- a time step ----------------------------------------------------------------------------------------------- */
+/* --- a time step --- */
 
 static bool needs_pressure(const struct model *m)
 {
@@ -679,8 +704,8 @@ void subdomain_forces_ahead(struct subdomain *sd, bool measure)
 {
     double started = clock_now();
     const struct model *m = sd->model;
-    force_ahead(&sd->pass, m, &sd->p, &sd->lists, leapfrog_kick_time(m, sd->step), leapfrog_path_time(m, sd->step),
-                measure || needs_pressure(m) ? &sd->totals : NULL);
+    force_ahead(&sd->pass, m, &sd->p, &sd->lists, leapfrog_kick_time(m, sd->step),
+                leapfrog_path_time(m, sd->step), measure || needs_pressure(m) ? &sd->totals : NULL);
     sd->times.forces += clock_now() - started;
 }
 
@@ -695,10 +720,12 @@ enum dm2_status subdomain_forces(struct subdomain *sd, bool measure, struct dm2_
         status = force_rest(&sd->pass, &sd->lists, sd->step, err);
     else if (status == DM2_OK)
         status = force_evaluate(sd->model, &sd->p, &sd->lists, leapfrog_kick_time(sd->model, sd->step),
-                       leapfrog_path_time(sd->model, sd->step), totals ? &sd->totals : NULL, sd->step, err);
+                                leapfrog_path_time(sd->model, sd->step), totals ? &sd->totals : NULL,
+                                sd->step, err);
     beat(sd);
     if (status == DM2_OK && m->reaction.any)
-        status = reaction_evaluate(m, &sd->p, &sd->lists, leapfrog_kick_time(m, sd->step), sd->step, &sd->reacted, err);
+        status = reaction_evaluate(m, &sd->p, &sd->lists, leapfrog_kick_time(m, sd->step), sd->step,
+                                   &sd->reacted, err);
     if (status == DM2_OK && pressure)
         leapfrog_set_pressure(m, &sd->p);
     if (status == DM2_OK && sd->model->has_strain)
@@ -726,7 +753,8 @@ static enum dm2_status integrate(struct subdomain *sd, bool drift, double *dmax,
     return status;
 }
 
-enum dm2_status subdomain_move(struct subdomain *sd, double *dmax, struct measures *out, struct dm2_error *err)
+enum dm2_status subdomain_move(struct subdomain *sd, double *dmax, struct measures *out,
+                               struct dm2_error *err)
 {
     enum dm2_status status = integrate(sd, true, dmax, out, err);
     if (status == DM2_OK && sd->model->reaction.any)
@@ -739,7 +767,8 @@ enum dm2_status subdomain_move(struct subdomain *sd, double *dmax, struct measur
 }
 
 /* Displacements of slots first .. last-1, or of those that `slots` names there. */
-static inline struct spread survey_slots(const struct subdomain *sd, const uint32_t *slots, size_t first, size_t last)
+static inline struct spread survey_slots(const struct subdomain *sd, const uint32_t *slots, size_t first,
+                                         size_t last)
 {
     const struct grid *g = &sd->model->grid;
     const bool periodic = g->periodic[0] || g->periodic[1];
@@ -763,8 +792,8 @@ static inline struct spread survey_slots(const struct subdomain *sd, const uint3
     return out;
 }
 
-/* Sorts the anchors into bins, once after each rebuild: edges longer than R_c + dR, and twice that again and again where there
- * would be more bins than elements. False where that cannot be. */
+/* Sorts the anchors into bins, once after each rebuild: edges longer than R_c + dR, and twice that again and
+ * again where there would be more bins than elements. False where that cannot be. */
 static bool sort_anchors(struct subdomain *sd)
 {
     const struct config *c = sd->model->config;
@@ -779,8 +808,8 @@ static bool sort_anchors(struct subdomain *sd)
     return sd->binned;
 }
 
-/* Room for the spread of each bin: that of the pair sums, which mean nothing between a move and the next forces. NULL
- * without memory. */
+/* Room for the spread of each bin: that of the pair sums, which mean nothing between a move and the next
+ * forces. NULL without memory. */
 static struct spread *room_for_spreads(struct subdomain *sd)
 {
     size_t bins = (size_t)sd->near_by.grid.cx * (size_t)sd->near_by.grid.cy;
@@ -789,8 +818,8 @@ static struct spread *room_for_spreads(struct subdomain *sd)
                : block_hold(&sd->spreads, bins, sizeof(struct spread));
 }
 
-/* How much those of bin (i, j) can have approached each other, and those in the bins around it that have not been compared
- * with it yet: east of it, and in the row above. */
+/* How much those of bin (i, j) can have approached each other, and those in the bins around it that have not
+ * been compared with it yet: east of it, and in the row above. */
 static double close_to_bin(const struct grid *g, const struct spread *of, int i, int j)
 {
     static const int later[4][2] = {{1, 0}, {-1, 1}, {0, 1}, {1, 1}};
@@ -829,7 +858,8 @@ static struct spread survey_bins(const struct subdomain *sd, struct spread *of)
     }
     for (int j = 0; j < g->cy; j++) {
         for (int i = 0; i < g->cx; i++) {
-            double close = b->start[j * g->cx + i + 1] > b->start[j * g->cx + i] ? close_to_bin(g, of, i, j) : 0.0;
+            double close =
+                b->start[j * g->cx + i + 1] > b->start[j * g->cx + i] ? close_to_bin(g, of, i, j) : 0.0;
             out.close = close > out.close ? close : out.close;
         }
     }
@@ -860,7 +890,7 @@ enum dm2_status subdomain_profile(const struct subdomain *sd, size_t which, stru
     return profile_add(sd->model, &sd->p, &sd->model->config->profiles[which], sd->step, bins, err);
 }
 
-/* --- update ---------------------------------------------------------------------------------------------------- */
+/* --- update --- */
 
 /* Velocities of mirrored elements matter where pairs damp and where strain is measured. */
 static bool needs_velocity(const struct model *m)
@@ -878,8 +908,7 @@ unsigned subdomain_update_fields(const struct model *m)
 size_t subdomain_update_width(const struct model *m)
 {
     return 2u + (needs_velocity(m) ? 2u : 0u) + (m->has_spin ? 1u : 0u) + (m->has_heat ? 1u : 0u) +
-           (m->has_pressure ? 1u : 0u) +
-           (m->has_kinds ? 1u : 0u) + (m->reaction.any ? 2u : 0u);
+           (m->has_pressure ? 1u : 0u) + (m->has_kinds ? 1u : 0u) + (m->reaction.any ? 2u : 0u);
 }
 
 size_t subdomain_send_count(const struct subdomain *sd, int dest)
@@ -928,21 +957,24 @@ static bool take_kind(const struct model *m, struct particles *p, size_t i, doub
     return true;
 }
 
-/* No element moves further than a cell edge in a step (leapfrog_move); twice that leaves room for rounding. */
+/* No element moves further than a cell edge in a step (leapfrog_move); twice that leaves room for rounding.
+ */
 static bool is_near(const struct grid *g, const double now[2], const double before[2])
 {
     double edge = g->lx < g->ly ? g->lx : g->ly, d[2];
     for (size_t a = 0; a < 2; a++)
-        d[a] = lists_wrap(now[a] - before[a], g->periodic[a] ? g->size[a] : 0.0, g->periodic[a] ? 0.5 * g->size[a] : INFINITY);
+        d[a] = lists_wrap(now[a] - before[a], g->periodic[a] ? g->size[a] : 0.0,
+                          g->periodic[a] ? 0.5 * g->size[a] : INFINITY);
     return d[0] * d[0] + d[1] * d[1] <= 4.0 * edge * edge;
 }
 
 /* What cannot be said of the mirror in slot i; it was where p->r still has it. */
-static enum dm2_status wrong_update(const struct subdomain *sd, size_t i, int src, const char *what, enum dm2_status status,
-                                    struct dm2_error *err)
+static enum dm2_status wrong_update(const struct subdomain *sd, size_t i, int src, const char *what,
+                                    enum dm2_status status, struct dm2_error *err)
 {
     const double *r = &sd->p.r[2 * i];
-    return dm2_fail(err, status, "step %lld: the update of element %u from server %d, last at (%g, %g) cm, %s",
+    return dm2_fail(err, status,
+                    "step %lld: the update of element %u from server %d, last at (%g, %g) cm, %s",
                     (long long)sd->step, sd->p.id[i], src, r[0], r[1], what);
 }
 
@@ -982,7 +1014,7 @@ enum dm2_status subdomain_take_update(struct subdomain *sd, int src, const doubl
     return DM2_OK;
 }
 
-/* --- rebuild --------------------------------------------------------------------------------------------------- */
+/* --- rebuild --- */
 
 /* Adds the element to the parcels of everyone who mirrors its new cell. */
 static int mirror_to_all(struct subdomain *sd, int cell, const struct element *e)
@@ -1007,8 +1039,12 @@ static int send_memory(struct subdomain *sd, const int32_t *destination)
             int32_t to[2] = {destination[i], j < p->n_own ? destination[j] : -1};
             if ((to[0] < 0 && to[1] < 0) || !lists_remembers(l, k))
                 continue;
-            uint32_t a = p->id[i] < p->id[j] ? p->id[i] : p->id[j], b = p->id[i] < p->id[j] ? p->id[j] : p->id[i];
-            struct pair_record pair = {.id_a = a, .id_b = b, .linked = l->linked[k], .stretch = l->stretch[k],
+            uint32_t a = p->id[i] < p->id[j] ? p->id[i] : p->id[j],
+                     b = p->id[i] < p->id[j] ? p->id[j] : p->id[i];
+            struct pair_record pair = {.id_a = a,
+                                       .id_b = b,
+                                       .linked = l->linked[k],
+                                       .stretch = l->stretch[k],
                                        .spring = l->spring[k]};
             for (int e = 0; e < 2; e++) {
                 if (to[e] >= 0 && (e == 0 || to[1] != to[0]) && add_pair(&sd->peers[to[e]].pairs, &pair) != 0)
@@ -1066,9 +1102,12 @@ enum dm2_status subdomain_sort_out(struct subdomain *sd, struct parcel *parcels,
         return no_memory(sd, err);
     for (int r = 0; r < sd->map.ranks; r++) {
         const struct peer *peer = &sd->peers[r];
-        parcels[r] = (struct parcel){.migrants = peer->migrants.item, .n_migrants = peer->migrants.n,
-                                     .pairs = peer->pairs.item, .n_pairs = peer->pairs.n,
-                                     .mirrors = peer->mirrors.item, .n_mirrors = peer->mirrors.n};
+        parcels[r] = (struct parcel){.migrants = peer->migrants.item,
+                                     .n_migrants = peer->migrants.n,
+                                     .pairs = peer->pairs.item,
+                                     .n_pairs = peer->pairs.n,
+                                     .mirrors = peer->mirrors.item,
+                                     .n_mirrors = peer->mirrors.n};
     }
     sd->times.rebuild += clock_now() - started;
     return DM2_OK;
@@ -1084,7 +1123,7 @@ enum dm2_status subdomain_take_in(struct subdomain *sd, const struct parcel *par
     return status;
 }
 
-/* --- states ---------------------------------------------------------------------------------------------------- */
+/* --- states --- */
 
 enum dm2_status subdomain_collect(const struct subdomain *sd, struct element *elements,
                                   struct element_measure *measured, struct dm2_error *err)
@@ -1108,8 +1147,8 @@ enum dm2_status subdomain_collect(const struct subdomain *sd, struct element *el
     return status;
 }
 
-enum dm2_status subdomain_collect_pairs(const struct subdomain *sd, struct pair_record **pairs, size_t *n_pairs,
-                                        struct dm2_error *err)
+enum dm2_status subdomain_collect_pairs(const struct subdomain *sd, struct pair_record **pairs,
+                                        size_t *n_pairs, struct dm2_error *err)
 {
     struct state_reader reader;
     enum dm2_status status = state_reader_open(&reader, &sd->p, &sd->lists, true, err);
@@ -1133,12 +1172,17 @@ static void read_pair(const void *context, size_t k, struct pair_record *out)
     state_reader_pair(context, k, out);
 }
 
-enum dm2_status subdomain_write(const struct subdomain *sd, subdomain_writer write, void *context, struct dm2_error *err)
+enum dm2_status subdomain_write(const struct subdomain *sd, subdomain_writer write, void *context,
+                                struct dm2_error *err)
 {
     struct state_reader reader;
     enum dm2_status status = state_reader_open(&reader, &sd->p, &sd->lists, true, err);
-    const struct state_view view = {.step = sd->step, .n_elements = reader.n_elements, .n_pairs = reader.n_pairs,
-                                    .records = &reader, .element = read_element, .pair = read_pair};
+    const struct state_view view = {.step = sd->step,
+                                    .n_elements = reader.n_elements,
+                                    .n_pairs = reader.n_pairs,
+                                    .records = &reader,
+                                    .element = read_element,
+                                    .pair = read_pair};
     if (status == DM2_OK)
         status = write(context, &view, err);
     state_reader_free(&reader);

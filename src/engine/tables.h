@@ -11,16 +11,16 @@
 #include "dm2/engine/model.h"
 #include "law.h"
 
-/* A kind of element: a material in one of its phases. Kind i is material i in its first phase for i < n_materials; the
- * phases of the deck follow. */
+/* A kind of element: a material in one of its phases. Kind i is material i in its first phase for i <
+ * n_materials; the phases of the deck follow. */
 struct kind {
     int material;
     const struct material_config *state; /* its constants; the config's */
     const struct phase_config *phase;    /* how it forms; NULL: a first phase */
     size_t from;                         /* kind that it forms from */
     double size;                         /* radius over that in the first phase, sqrt(rho0 first / rho0) */
-    double energy;                       /* per mass, above the first phase at t0, cm2/us2 (docs/physics.md, section 9) */
-    double hysteresis;                   /* Mbar or K, by phase->transition */
+    double energy;     /* per mass, above the first phase at t0, cm2/us2 (docs/physics.md, section 9) */
+    double hysteresis; /* Mbar or K, by phase->transition */
     double t0, tm, softening; /* tm infinite: never softens */
     double over_range;        /* 1/(tm - t0), 1/K; 0 where tm is infinite */
     double cp, over_cp;       /* infinite and 0: the temperature stays at t0 */
@@ -38,17 +38,17 @@ struct reaction_table {
     bool any;
     int reactant[2], product; /* materials */
     bool stoichiometric;
-    double share[2];    /* mass of each reactant in a mass of product */
-    double k0, theta;   /* g/cm2/us; Ea/R, K */
-    double heat;        /* per mass of product, cm2/us2 */
+    double share[2];  /* mass of each reactant in a mass of product */
+    double k0, theta; /* g/cm2/us; Ea/R, K */
+    double heat;      /* per mass of product, cm2/us2 */
     double threshold;
-    double limit;       /* part of what an element holds that one pair may take in a step */
-    double mass_scale;  /* fixed-point scale of masses */
+    double limit;      /* part of what an element holds that one pair may take in a step */
+    double mass_scale; /* fixed-point scale of masses */
 };
 
 struct model {
     const struct config *config;
-    struct pulse pulse;    /* beaten by all that takes long */
+    struct pulse pulse; /* beaten by all that takes long */
     struct grid grid;
     size_t n_kinds;
     struct kind *kinds;
@@ -62,25 +62,27 @@ struct model {
     bool has_phases;       /* the deck has phases: pressure is needed at every step */
     bool has_kinds;        /* elements may change their kind, by phase or reaction */
     struct reaction_table reaction;
-    double growth;         /* by what factor the radius of an element may grow; 1 without phases */
-    bool has_strain;       /* the deck asks for strain: velocities of mirrored elements matter */
-    bool uniform_far;      /* one kind, one far law */
-    bool wide_far;         /* and that law is a plain Lennard-Jones potential: rows of the far list are padded to fours */
-    bool wide_near;        /* the commonest laws allow near pairs to be taken four at a time */
-    double far_cutoff;     /* largest cutoff of scope all, cm; 0 without */
-    double far_place;      /* x and y of the slot that fills lists up: beyond all reach, and near enough that forces there
-                              are no denormal numbers, which are slow, cm */
-    double radius_max;     /* largest radius of any element at any time, cm */
+    double growth;     /* by what factor the radius of an element may grow; 1 without phases */
+    bool has_strain;   /* the deck asks for strain: velocities of mirrored elements matter */
+    bool uniform_far;  /* one kind, one far law */
+    bool wide_far;     /* and that law is a plain Lennard-Jones potential: rows of the far list are padded to
+                          fours */
+    bool wide_near;    /* the commonest laws allow near pairs to be taken four at a time */
+    double far_cutoff; /* largest cutoff of scope all, cm; 0 without */
+    double far_place;  /* x and y of the slot that fills lists up: beyond all reach, and near enough that
+                          forces there  are no denormal numbers, which are slow, cm */
+    double radius_max; /* largest radius of any element at any time, cm */
     struct margins margins;
     double dt_stable;
-    const char *dt_mode;   /* what limits it */
-    size_t dt_kinds[2];    /* of which pair */
+    const char *dt_mode; /* what limits it */
+    size_t dt_kinds[2];  /* of which pair */
     size_t n_elements;
     struct fixed_scales fixed;
     struct measure_scales scales;
 };
 
-static inline const struct pair_law *model_law(const struct model *m, size_t a, size_t b, enum relation relation)
+static inline const struct pair_law *model_law(const struct model *m, size_t a, size_t b,
+                                               enum relation relation)
 {
     return &m->laws[(a * m->n_kinds + b) * RELATION_COUNT + (size_t)relation];
 }
@@ -88,7 +90,9 @@ static inline const struct pair_law *model_law(const struct model *m, size_t a, 
 /* How two elements stand to each other. */
 static inline enum relation relation_of(uint16_t body_i, uint32_t grain_i, uint16_t body_j, uint32_t grain_j)
 {
-    return body_i != body_j ? RELATION_OTHER_BODY : grain_i != grain_j ? RELATION_OTHER_GRAIN : RELATION_SAME_GRAIN;
+    return body_i != body_j     ? RELATION_OTHER_BODY
+           : grain_i != grain_j ? RELATION_OTHER_GRAIN
+                                : RELATION_SAME_GRAIN;
 }
 
 #endif

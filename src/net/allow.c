@@ -1,6 +1,6 @@
-/* Every address becomes 16 bytes, an IPv4 one in the form in which it also arrives at a socket that takes both, so
- * that one comparison of leading bits serves all. A network with bits behind its length is an error: 10.1.2.3/8 may
- * have been meant as a single machine. */
+/* Every address becomes 16 bytes, an IPv4 one in the form in which it also arrives at a socket that takes
+ * both, so that one comparison of leading bits serves all. A network with bits behind its length is an
+ * error: 10.1.2.3/8 may have been meant as a single machine. */
 #include "dm2/net/allow.h"
 
 #include <arpa/inet.h>
@@ -46,20 +46,23 @@ enum dm2_status allow_add(struct allow_list *list, const char *text, struct dm2_
     (void)snprintf(address, sizeof address, "%.*s", length < sizeof address ? (int)length : 0, text);
     int family = address_bytes(address, net.address);
     if (family == 0)
-        return dm2_fail(err, DM2_USAGE, "--allow %s: an address or a network such as 192.168.1.0/24 or fd00::/8 is expected",
+        return dm2_fail(err, DM2_USAGE,
+                        "--allow %s: an address or a network such as 192.168.1.0/24 or fd00::/8 is expected",
                         text);
     long bits = family;
     if (slash != NULL) {
         char *end = NULL;
         bits = strtol(slash + 1, &end, 10);
         if (slash[1] < '0' || slash[1] > '9' || *end != '\0' || bits > family)
-            return dm2_fail(err, DM2_USAGE, "--allow %s: a number of bits from 0 to %d is expected behind the slash", text,
+            return dm2_fail(err, DM2_USAGE,
+                            "--allow %s: a number of bits from 0 to %d is expected behind the slash", text,
                             family);
     }
     net.bits = 128 - family + (int)bits;
     if (!is_clean(&net))
-        return dm2_fail(err, DM2_USAGE, "--allow %s: the address has bits behind the first %ld: give the network's own",
-                        text, bits);
+        return dm2_fail(err, DM2_USAGE,
+                        "--allow %s: the address has bits behind the first %ld: give the network's own", text,
+                        bits);
     list->items[list->n++] = net;
     return DM2_OK;
 }

@@ -8,8 +8,9 @@
  * Sending computes the checksum piecewise over the caller's parts and hands header and parts to one writev: a
  * message is one system call and none of its bytes is copied here.
  *
- * With keys the tag takes the checksum's place. It covers the number of the frame, so that a frame which is left out,
- * repeated or moved does not pass either; and each direction has its own key, so that none can be sent back. */
+ * With keys the tag takes the checksum's place. It covers the number of the frame, so that a frame which is
+ * left out, repeated or moved does not pass either; and each direction has its own key, so that none can be
+ * sent back. */
 #include "dm2/net/frame.h"
 
 #include <poll.h>

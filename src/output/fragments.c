@@ -1,5 +1,6 @@
-/* Union-find (Galler and Fischer, 1964) with path halving. A root is the lowest index of its tree, whatever the order
- * of the pairs: the higher root is always hung below the lower one. On lattices trees stay flat without ranks. */
+/* Union-find (Galler and Fischer, 1964) with path halving. A root is the lowest index of its tree, whatever
+ * the order of the pairs: the higher root is always hung below the lower one. On lattices trees stay flat
+ * without ranks. */
 #include "fragments.h"
 
 #include <stdlib.h>
@@ -38,7 +39,8 @@ static int larger_first(const void *a, const void *b)
     return fa->root < fb->root ? -1 : fa->root > fb->root;
 }
 
-/* The fragments in the order of their numbers. `size` comes as n zeros and leaves with the number of each root. */
+/* The fragments in the order of their numbers. `size` comes as n zeros and leaves with the number of each
+ * root. */
 static size_t number_fragments(uint32_t *parent, size_t n, uint32_t *size, struct fragment *list)
 {
     size_t fragments = 0;
@@ -53,11 +55,12 @@ static size_t number_fragments(uint32_t *parent, size_t n, uint32_t *size, struc
     return fragments;
 }
 
-enum dm2_status fragments_find(const struct element *elements, size_t n_elements, const struct pair_record *pairs,
-                               size_t n_pairs, uint32_t *fragment, struct fragment_counts *counts,
-                               struct dm2_error *err)
+enum dm2_status fragments_find(const struct element *elements, size_t n_elements,
+                               const struct pair_record *pairs, size_t n_pairs, uint32_t *fragment,
+                               struct fragment_counts *counts, struct dm2_error *err)
 {
-    uint32_t *parent = mem_alloc(n_elements, sizeof *parent), *number = mem_zalloc(n_elements, sizeof *number);
+    uint32_t *parent = mem_alloc(n_elements, sizeof *parent),
+             *number = mem_zalloc(n_elements, sizeof *number);
     struct fragment *list = mem_alloc(n_elements, sizeof *list);
     enum dm2_status status = DM2_OK;
     *counts = (struct fragment_counts){0};

@@ -1,9 +1,10 @@
 /* The run directory.
  *
- * It holds a few tables, history.csv.part among them, that grow by some rows per measured step and are renamed at the
- * very end; everything else is written and renamed in one go. The list `known_files` is what a run may leave
- * behind: `overwrite` removes these and nothing else, so that a directory never mixes two runs. Each row is
- * handed to the system at once: somebody may be watching, and a full disk should stop the run now. */
+ * It holds a few tables, history.csv.part among them, that grow by some rows per measured step and are
+ * renamed at the very end; everything else is written and renamed in one go. The list `known_files` is what a
+ * run may leave behind: `overwrite` removes these and nothing else, so that a directory never mixes two runs.
+ * Each row is handed to the system at once: somebody may be watching, and a full disk should stop the run
+ * now. */
 #include "dm2/output/results.h"
 
 #include <assert.h>
@@ -33,16 +34,18 @@ struct results {
     const struct config *config;
     struct measure_scales scales;
     uint8_t digest[RESULTS_DIGEST_BYTES];
-    struct file_out history, fragments;     /* tables that grow; the second is opened with its first row */
+    struct file_out history, fragments; /* tables that grow; the second is opened with its first row */
     struct file_out profiles[PROFILE_MAX];
-    int64_t history_step, snapshot_step, profile_step[PROFILE_MAX]; /* the newest that are written; -1: none */
-    int64_t checkpoint_step;                                        /* of the newest one; -1: none */
-    int64_t *snapshot_steps; /* those written, for the series file */
+    int64_t history_step, snapshot_step,
+        profile_step[PROFILE_MAX]; /* the newest that are written; -1: none */
+    int64_t checkpoint_step;       /* of the newest one; -1: none */
+    int64_t *snapshot_steps;       /* those written, for the series file */
     size_t n_snapshots, cap_snapshots;
 };
 
-static const char *const known_files[] = {"history.csv", "fragments.csv", "final.dm2", "run.log", "timing.csv",
-                                          "checkpoint.dm2", "checkpoint.prev.dm2", "checkpoint.next.dm2"};
+static const char *const known_files[] = {
+    "history.csv", "fragments.csv",  "final.dm2",           "run.log",
+    "timing.csv",  "checkpoint.dm2", "checkpoint.prev.dm2", "checkpoint.next.dm2"};
 static const char snapshots_name[] = "snapshots";
 static const char series_name[] = "series.pvd";
 
@@ -99,8 +102,7 @@ bool results_measure_due(const struct config *c, int64_t step)
     return due;
 }
 
-/* --- the directory ----------------------------------------------------------------------------------------
- */
+/* --- the directory --- */
 
 static bool has_suffix(const char *name, size_t length, const char *suffix)
 {
@@ -250,8 +252,7 @@ static enum dm2_status prepare_directory(struct results *r, bool overwrite, stru
     return remove_earlier_run(r->directory, err);
 }
 
-/* --- history.csv ------------------------------------------------------------------------------------------
- */
+/* --- history.csv --- */
 
 /* Writes a header field, quoted where CSV asks for it. */
 static void write_heading(struct file_out *f, const char *name, const char *unit)
@@ -361,14 +362,13 @@ enum dm2_status results_history(struct results *r, int64_t step, const struct me
     return file_flush(f, err);
 }
 
-/* --- profile-NAME.csv -------------------------------------------------------------------------------------
- */
+/* --- profile-NAME.csv --- */
 
 static void write_profile_header(struct file_out *f, const struct profile_config *c)
 {
-    static const char *const columns[][2] = {{"elements", ""},     {"density", "g/cm3"},  {"vx", "cm/us"},
-                                             {"vy", "cm/us"},      {"stress_xx", "Mbar"}, {"stress_yy", "Mbar"},
-                                             {"stress_xy", "Mbar"}, {"temperature", "K"}};
+    static const char *const columns[][2] = {
+        {"elements", ""},      {"density", "g/cm3"},  {"vx", "cm/us"},       {"vy", "cm/us"},
+        {"stress_xx", "Mbar"}, {"stress_yy", "Mbar"}, {"stress_xy", "Mbar"}, {"temperature", "K"}};
     file_printf(f, "step,time [us],%s [cm]", c->axis == AXIS_X ? "x" : "y");
     for (size_t i = 0; i < sizeof columns / sizeof columns[0]; i++) {
         file_puts(f, ",");
@@ -415,8 +415,7 @@ enum dm2_status results_profile(struct results *r, size_t which, int64_t step, c
     return file_flush(f, err);
 }
 
-/* --- states -----------------------------------------------------------------------------------------------
- */
+/* --- states --- */
 
 static enum dm2_status write_one(const char *directory, const char *suffix, const struct snapshot *s,
                                  struct dm2_error *err)
@@ -503,7 +502,8 @@ enum dm2_status results_snapshot(struct results *r, int64_t step, const struct e
         status = write_fragments(r, step, &counts, err);
     if (status == DM2_OK)
         status = write_snapshot(
-            r, &(struct snapshot){r->config, step, elements, measured, n_elements, pairs, n_pairs, fragment}, err);
+            r, &(struct snapshot){r->config, step, elements, measured, n_elements, pairs, n_pairs, fragment},
+            err);
     if (status == DM2_OK)
         r->snapshot_step = step;
     free(fragment);
@@ -541,8 +541,7 @@ enum dm2_status results_text(struct results *r, const char *name, const char *te
     return status;
 }
 
-/* --- begin and end ----------------------------------------------------------------------------------------
- */
+/* --- begin and end --- */
 
 static void free_results(struct results *r)
 {
@@ -607,8 +606,7 @@ enum dm2_status results_open(const char *directory, bool overwrite, const struct
     return DM2_OK;
 }
 
-/* --- checkpoints ------------------------------------------------------------------------------------------
- */
+/* --- checkpoints --- */
 
 struct profile_due {
     const struct config *config;
@@ -631,9 +629,11 @@ static bool profile_due(const void *context, int64_t step)
     return results_profile_due(p->config, p->which, step);
 }
 
-/* Takes one table over from the directory `source`: its .part file, or the file of a run that came to its end. */
-static enum dm2_status continue_table(const struct results *r, const char *source, bool here, const char *name,
-                                      const struct resume_plan *plan, struct file_out *f, struct dm2_error *err)
+/* Takes one table over from the directory `source`: its .part file, or the file of a run that came to its
+ * end. */
+static enum dm2_status continue_table(const struct results *r, const char *source, bool here,
+                                      const char *name, const struct resume_plan *plan, struct file_out *f,
+                                      struct dm2_error *err)
 {
     unsigned char *text = NULL;
     size_t n = 0, keep = 0;
@@ -672,7 +672,8 @@ static enum dm2_status continue_tables(struct results *r, const char *source, bo
     for (size_t k = 0; k < c->n_profiles && status == DM2_OK; k++) {
         char name[NAME_MAX_LENGTH + 16];
         struct profile_due which = {c, k};
-        plan = (struct resume_plan){.due = profile_due, .context = &which, .rows = c->profiles[k].bins, .step = step};
+        plan = (struct resume_plan){
+            .due = profile_due, .context = &which, .rows = c->profiles[k].bins, .step = step};
         (void)snprintf(name, sizeof name, "profile-%s.csv", c->profiles[k].name);
         status = continue_table(r, source, here, name, &plan, &r->profiles[k], err);
     }
@@ -697,8 +698,8 @@ static enum dm2_status continue_series(struct results *r, int64_t step, struct d
         snapshot_file_name(s, "vtp", name);
         char *path = text_join(directory, "/", name);
         void *steps = r->snapshot_steps;
-        if (path == NULL ||
-            mem_grow(&steps, &r->cap_snapshots, r->n_snapshots, r->n_snapshots + 1, sizeof *r->snapshot_steps) != 0)
+        if (path == NULL || mem_grow(&steps, &r->cap_snapshots, r->n_snapshots, r->n_snapshots + 1,
+                                     sizeof *r->snapshot_steps) != 0)
             status = no_memory(err);
         else
             r->snapshot_steps = steps;
@@ -713,7 +714,8 @@ static enum dm2_status continue_series(struct results *r, int64_t step, struct d
 static bool same_directory(const char *a, const char *b)
 {
     struct stat one, other;
-    return stat(a, &one) == 0 && stat(b, &other) == 0 && one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+    return stat(a, &one) == 0 && stat(b, &other) == 0 && one.st_dev == other.st_dev &&
+           one.st_ino == other.st_ino;
 }
 
 enum dm2_status results_continue(const char *directory, bool overwrite, const char *source, int64_t step,
@@ -771,7 +773,8 @@ enum dm2_status results_checkpoint(struct results *r, const struct state_view *s
     char *now = text_join(r->directory, "/", "checkpoint.dm2");
     char *next = text_join(r->directory, "/", "checkpoint.next.dm2");
     char *before = text_join(r->directory, "/", "checkpoint.prev.dm2");
-    enum dm2_status status = now == NULL || next == NULL || before == NULL ? no_memory(err) : sync_tables(r, err);
+    enum dm2_status status =
+        now == NULL || next == NULL || before == NULL ? no_memory(err) : sync_tables(r, err);
     if (status == DM2_OK)
         status = write_state(r, next, state, err);
     if (status == DM2_OK && access(now, F_OK) == 0)
@@ -786,8 +789,7 @@ enum dm2_status results_checkpoint(struct results *r, const struct state_view *s
     return status;
 }
 
-/* --- the end ----------------------------------------------------------------------------------------------
- */
+/* --- the end --- */
 
 enum dm2_status results_close(struct results *r, struct dm2_error *err)
 {

@@ -19,7 +19,7 @@
 #include "dm2/base/file.h"
 #include "dm2/base/number.h"
 
-/* --- what is written of each element -------------------------------------------------------------------- */
+/* --- what is written of each element --- */
 
 enum number_type { TYPE_U16, TYPE_U32, TYPE_I32, TYPE_I64, TYPE_F64 };
 
@@ -27,7 +27,8 @@ static const struct {
     const char *vtk;
     size_t bytes;
     char xyz;
-} type_info[] = {{"UInt16", 2, 'I'}, {"UInt32", 4, 'I'}, {"Int32", 4, 'I'}, {"Int64", 8, 'I'}, {"Float64", 8, 'R'}};
+} type_info[] = {
+    {"UInt16", 2, 'I'}, {"UInt32", 4, 'I'}, {"Int32", 4, 'I'}, {"Int64", 8, 'I'}, {"Float64", 8, 'R'}};
 
 struct field {
     const char *name;
@@ -173,7 +174,8 @@ static bool has_strain(const struct snapshot *s)
     return s->config->output.strain;
 }
 
-static const struct field position_field = {"position", "pos", TYPE_F64, 3, {NULL, NULL, NULL}, get_position, NULL};
+static const struct field position_field = {"position",         "pos",        TYPE_F64, 3,
+                                            {NULL, NULL, NULL}, get_position, NULL};
 
 static const struct field fields[] = {
     {"id", "id", TYPE_U32, 1, {NULL, NULL, NULL}, get_id, NULL},
@@ -208,7 +210,7 @@ static bool is_present(const struct field *f, const struct snapshot *s)
     return f->present == NULL || f->present(s);
 }
 
-/* --- base64 --------------------------------------------------------------------------------------------- */
+/* --- base64 --- */
 
 enum { RAW_BYTES = FILE_RESERVE_MAX / 4 * 3 };
 
@@ -253,8 +255,7 @@ static inline uint64_t bits_of(double x)
     return bits;
 }
 
-/* --- .vtp ------------------------------------------------------------------------------------------------
- */
+/* --- .vtp --- */
 
 static void array_open(struct base64 *b, const struct field *f, size_t n)
 {
@@ -285,8 +286,9 @@ static void write_field(struct base64 *b, const struct field *f, const struct sn
     array_close(b);
 }
 
-static const struct field connectivity[] = {{"connectivity", NULL, TYPE_I32, 1, {NULL, NULL, NULL}, NULL, NULL},
-                                            {"connectivity", NULL, TYPE_I64, 1, {NULL, NULL, NULL}, NULL, NULL}};
+static const struct field connectivity[] = {
+    {"connectivity", NULL, TYPE_I32, 1, {NULL, NULL, NULL}, NULL, NULL},
+    {"connectivity", NULL, TYPE_I64, 1, {NULL, NULL, NULL}, NULL, NULL}};
 static const struct field offsets[] = {{"offsets", NULL, TYPE_I32, 1, {NULL, NULL, NULL}, NULL, NULL},
                                        {"offsets", NULL, TYPE_I64, 1, {NULL, NULL, NULL}, NULL, NULL}};
 
@@ -476,8 +478,7 @@ enum dm2_status snapshot_write_series(const char *path, const int64_t *steps, si
     return file_commit(&f, err);
 }
 
-/* --- .xyz ------------------------------------------------------------------------------------------------
- */
+/* --- .xyz --- */
 
 static void write_number(struct file_out *f, double x)
 {

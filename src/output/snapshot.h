@@ -3,10 +3,10 @@
  * The .vtp holds one point and one vertex per element, one line per linked pair (but none across a periodic
  * seam), and per point: id, kind, body, grain, radius [cm], velocity [cm/us], spin [1/us], temperature [K],
  * pressure [Mbar], stress [Mbar] (xx, yy, xy), links, contacts, bonds (links at the start), damage (1 -
- * links/bonds), where it is known fragment (output/fragments.h), and where the deck asks for it strain (xx, yy,
- * xy). Its field data: TimeValue [us], step, domain (x0, y0, width, height [cm]), periodic, and the names of
- * materials (the index is `kind`) and bodies. Positions and velocities have a z of 0. Numbers are little-endian,
- * in base64, floating point ones 64 bits wide.
+ * links/bonds), where it is known fragment (output/fragments.h), and where the deck asks for it strain (xx,
+ * yy, xy). Its field data: TimeValue [us], step, domain (x0, y0, width, height [cm]), periodic, and the names
+ * of materials (the index is `kind`) and bodies. Positions and velocities have a z of 0. Numbers are
+ * little-endian, in base64, floating point ones 64 bits wide.
  *
  * The .xyz has the same columns as text, the material's name as species.
  *

@@ -30,8 +30,7 @@ enum {
     BLOCK_BYTES = 1 << 16
 };
 
-/* --- writing ----------------------------------------------------------------------------------------------
- */
+/* --- writing --- */
 
 struct encoder {
     struct file_out file;
@@ -137,8 +136,7 @@ enum dm2_status state_write(const char *path, const struct state_view *s, struct
     return file_commit(&e.file, err);
 }
 
-/* --- reading ----------------------------------------------------------------------------------------------
- */
+/* --- reading --- */
 
 static enum dm2_status bad(const char *path, struct dm2_error *err, const char *what)
 {
@@ -231,9 +229,9 @@ static void get_element(struct bytes_reader *r, struct element *e)
 /* NULL, or what is wrong with the element. */
 static const char *fault_of_element(const struct element *e, const struct element *before)
 {
-    const double numbers[] = {e->radius, e->mass, e->r[0],  e->r[1],      e->v[0],      e->v[1],     e->w,
-                              e->heat,   e->p,    e->work, e->strain[0], e->strain[1], e->strain[2], e->share[0],
-                              e->share[1], e->moved};
+    const double numbers[] = {e->radius,    e->mass,     e->r[0],     e->r[1], e->v[0],      e->v[1],
+                              e->w,         e->heat,     e->p,        e->work, e->strain[0], e->strain[1],
+                              e->strain[2], e->share[0], e->share[1], e->moved};
     for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++)
         if (!isfinite(numbers[k]))
             return "has a number that is not finite";

@@ -2,7 +2,8 @@
  *
  * A table `quantity,servers,value,unit` with a row per number, so that a person reads it without a manual and
  * a spreadsheet opens it. The first row is the format's number. Constants have an empty `servers`; m, b and
- * residual come once for each number of servers that was measured, and size, k_alone, k_shared once for each size.
+ * residual come once for each number of servers that was measured, and size, k_alone, k_shared once for each
+ * size.
  *
  * The reader takes nothing for granted: it walks over the rows once, notes what it has seen, and refuses what
  * is unknown, repeated, missing, or in another unit. A constant measured elsewhere would be a prediction that
@@ -33,8 +34,7 @@ static void list_scalars(struct calibration *c, double *sizes, double *networks,
     const struct scalar all[SCALARS] = {
         {"d_x", "cm", &c->perf.d_x},     {"d_y", "cm", &c->perf.d_y}, {"L_x", "cm", &c->perf.l_x},
         {"L_y", "cm", &c->perf.l_y},     {"g", "byte", &c->perf.g},   {"k", "s", &c->perf.k},
-        {"k_spread", "s", &c->k_spread}, {"sizes", "", sizes},
-        {"networks", "", networks},
+        {"k_spread", "s", &c->k_spread}, {"sizes", "", sizes},        {"networks", "", networks},
     };
     memcpy(out, all, sizeof all);
 }
@@ -70,7 +70,7 @@ static enum dm2_status check_calibration(const struct calibration *c, struct dm2
     return status;
 }
 
-/* --- writing ------------------------------------------------------------------------------------------ */
+/* --- writing --- */
 
 static void put_text(struct file_out *f, const char *quantity, const char *text)
 {
@@ -121,7 +121,7 @@ enum dm2_status calibration_write(const char *path, const struct calibration *c,
     return file_commit(&f, err);
 }
 
-/* --- reading ------------------------------------------------------------------------------------------ */
+/* --- reading --- */
 
 struct reader {
     const struct csv *csv;
@@ -253,7 +253,8 @@ static enum dm2_status take_row(struct reader *r)
         return take_text(r, &r->seen_host, r->out->host);
     if (strcmp(quantity, "version") == 0)
         return take_text(r, &r->seen_version, r->out->version);
-    if (strcmp(quantity, "size") == 0 || strcmp(quantity, "k_alone") == 0 || strcmp(quantity, "k_shared") == 0)
+    if (strcmp(quantity, "size") == 0 || strcmp(quantity, "k_alone") == 0 ||
+        strcmp(quantity, "k_shared") == 0)
         return take_size(r, quantity);
     for (int i = 0; i < SCALARS; i++)
         if (strcmp(quantity, r->scalars[i].name) == 0)

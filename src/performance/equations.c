@@ -55,10 +55,12 @@ static enum dm2_status check_network(const struct perf_network *row, const struc
     return status != DM2_OK ? status : check_constant("b", "s", row->b, true, err);
 }
 
-static enum dm2_status check_size(const struct perf_size *row, const struct perf_size *before, struct dm2_error *err)
+static enum dm2_status check_size(const struct perf_size *row, const struct perf_size *before,
+                                  struct dm2_error *err)
 {
     if (!(row->n >= 1 && row->n <= CONSTANT_MOST) || (before != NULL && !(row->n > before->n)))
-        return dm2_fail(err, DM2_USAGE, "the sizes at which k was measured do not rise, at %g elements", row->n);
+        return dm2_fail(err, DM2_USAGE, "the sizes at which k was measured do not rise, at %g elements",
+                        row->n);
     enum dm2_status status = check_constant("k_alone", "s", row->alone, false, err);
     return status != DM2_OK ? status : check_constant("k_shared", "s", row->shared, false, err);
 }

@@ -5,7 +5,8 @@
 
 const char *explain_cause_name(enum explain_cause cause)
 {
-    static const char *const names[EXPLAIN_CAUSES] = {"computing", "imbalance", "migration", "relay", "waiting"};
+    static const char *const names[EXPLAIN_CAUSES] = {"computing", "imbalance", "migration", "relay",
+                                                      "waiting"};
     return names[cause];
 }
 

@@ -122,12 +122,12 @@ struct picture {
 const char *picture_colours(void)
 {
     return "material velocity vx vy stress stress-xx stress-yy stress-xy pressure temperature spin links "
-           "contacts bonds damage strain strain-area strain-xx strain-yy strain-xy fragment phase composition grain "
+           "contacts bonds damage strain strain-area strain-xx strain-yy strain-xy fragment phase "
+           "composition grain "
            "body, or ARRAY or ARRAY:COMPONENT of the file";
 }
 
-/* --- what is shown ----------------------------------------------------------------------------------------
- */
+/* --- what is shown --- */
 
 /* The names of the arrays of points, blank-separated; cut where there are many. */
 static void list_arrays(const struct vtp *vtp, char *out, size_t size)
@@ -136,7 +136,8 @@ static void list_arrays(const struct vtp *vtp, char *out, size_t size)
     out[0] = '\0';
     for (size_t k = 0; k < vtp->n_arrays && used < size; k++)
         if (strcmp(vtp->arrays[k].section, "PointData") == 0)
-            used += (size_t)snprintf(out + used, size - used, "%s%s", used == 0 ? "" : " ", vtp->arrays[k].name);
+            used +=
+                (size_t)snprintf(out + used, size - used, "%s%s", used == 0 ? "" : " ", vtp->arrays[k].name);
 }
 
 /* Any other array of the file by its name, with the component behind a colon, from 1. */
@@ -180,14 +181,19 @@ static enum dm2_status choose_quantity(struct picture *p, struct dm2_error *err)
     values = known ? vtp_find(p->vtp, "PointData", p->quantity.array) : find_other(p, word, &component);
     list_arrays(p->vtp, names, sizeof names);
     if (!known && values == NULL)
-        return dm2_fail(err, DM2_USAGE, "'%.60s' is nothing to colour by; choose one of: %s. The file has the arrays: %.200s",
+        return dm2_fail(err, DM2_USAGE,
+                        "'%.60s' is nothing to colour by; choose one of: %s. The file has the arrays: %.200s",
                         word, picture_colours(), names);
-    size_t least = p->quantity.value == first || !known ? 1 : p->quantity.value == second ? 2 : 3; /* that it reads */
+    size_t least = p->quantity.value == first || !known ? 1
+                   : p->quantity.value == second        ? 2
+                                                        : 3; /* that it reads */
     if (values == NULL || values->components < least)
-        return dm2_fail(err, DM2_USAGE, "'%s' needs an array '%s' that the snapshot does not have; it has: %s", word,
+        return dm2_fail(err, DM2_USAGE,
+                        "'%s' needs an array '%s' that the snapshot does not have; it has: %s", word,
                         p->quantity.array, names);
     if (radius == NULL || radius->components != 1)
-        return dm2_fail(err, DM2_USAGE, "the snapshot has no array 'radius' of its points; it has: %s", names);
+        return dm2_fail(err, DM2_USAGE, "the snapshot has no array 'radius' of its points; it has: %s",
+                        names);
     p->values = values->values + component;
     p->components = values->components;
     p->radius = radius->values;
@@ -264,14 +270,13 @@ static void choose_view(struct picture *p)
     }
 }
 
-/* --- categories -------------------------------------------------------------------------------------------
- */
+/* --- categories --- */
 
 static void category_name(const struct picture *p, size_t category, char *out, size_t size)
 {
     const struct vtp_names *names = strcmp(p->quantity.word, "material") == 0 ? &p->vtp->materials
                                     : strcmp(p->quantity.word, "body") == 0   ? &p->vtp->bodies
-                                                                               : NULL;
+                                                                              : NULL;
     if (names != NULL && category < names->n)
         (void)snprintf(out, size, "%s", names->name[category]);
     else
@@ -307,8 +312,7 @@ static size_t categories_present(const struct picture *p, size_t out[LEGEND_MAX 
     return n;
 }
 
-/* --- discs ------------------------------------------------------------------------------------------------
- */
+/* --- discs --- */
 
 static uint32_t step_of(const struct picture *p, double value)
 {
@@ -424,8 +428,7 @@ static void draw_links(struct svg *svg, const struct picture *p)
     svg_puts(svg, "\"/>\n");
 }
 
-/* --- what stands around -----------------------------------------------------------------------------------
- */
+/* --- what stands around --- */
 
 static bool has_colour_bar(const struct picture *p)
 {

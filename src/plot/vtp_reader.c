@@ -47,8 +47,7 @@ static enum dm2_status no_memory(const struct reader *r, struct dm2_error *err)
     return dm2_fail(err, DM2_MEMORY, "%s: no memory for its arrays", r->xml.path);
 }
 
-/* --- values -----------------------------------------------------------------------------------------------
- */
+/* --- values --- */
 
 static int base64_digit(unsigned char c)
 {
@@ -173,8 +172,7 @@ static enum dm2_status read_ascii(struct reader *r, struct xml_span text, double
     return DM2_OK;
 }
 
-/* --- elements ---------------------------------------------------------------------------------------------
- */
+/* --- elements --- */
 
 /* Strings as VTK writes them: the characters as numbers, a 0 after each string. */
 static enum dm2_status take_names(struct reader *r, const double *codes, size_t n, struct vtp_names *out,
@@ -335,8 +333,7 @@ static enum dm2_status take_start(struct reader *r, struct dm2_error *err)
     return DM2_OK;
 }
 
-/* --- the whole --------------------------------------------------------------------------------------------
- */
+/* --- the whole --- */
 
 static enum dm2_status check_lines(struct reader *r, struct dm2_error *err)
 {

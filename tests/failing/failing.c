@@ -1,6 +1,6 @@
-/* Linked into a program in front of the system's calls (-Wl,--wrap): the Nth call that could fail does fail, once.
- * DM2_FAIL=CLASS:N, with CLASS memory, open, write, fsync, rename, read, socket (also accept, connect, pipe, fork), poll or
- * writev. The file DM2_FAIL_MARK is then there. */
+/* Linked into a program in front of the system's calls (-Wl,--wrap): the Nth call that could fail does fail,
+ * once. DM2_FAIL=CLASS:N, with CLASS memory, open, write, fsync, rename, read, socket (also accept, connect,
+ * pipe, fork), poll or writev. The file DM2_FAIL_MARK is then there. */
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>

@@ -1,16 +1,19 @@
-/* The bytes are all that servers send to a client: to one that asks for the status, one that measures the network, or one that
- * runs a small deck, with a key or without. Byte 0 says which; frames follow: type, length (u16), payload.
+/* The bytes are all that servers send to a client: to one that asks for the status, one that measures the
+ * network, or one that runs a small deck, with a key or without. Byte 0 says which; frames follow: type,
+ * length (u16), payload.
  *
  *     byte 0, bits 0 and 1   0: a run; 1: the network, of one server; 2: the status
  *     bit 2                  the client has a key
  *     bit 3                  two servers (of a run)
  *     bit 4                  a server that is lost is made good
  *
- * An empty GRANT gets the code that a friend would send, and the frames behind it get tags: what is behind the handshake is
- * reached, too. Type RAW: bytes as they are, in place of a frame. Type NEXT_SERVER: what follows comes from the other one.
+ * An empty GRANT gets the code that a friend would send, and the frames behind it get tags: what is behind
+ * the handshake is reached, too. Type RAW: bytes as they are, in place of a frame. Type NEXT_SERVER: what
+ * follows comes from the other one.
  *
- * The linker puts two functions of this file in the place of socket_connect and auth_nonce (the Makefile's FUZZ_WRAP). All
- * that a server has to say is there when the client has connected; then its stream ends, so that nobody waits. */
+ * The linker puts two functions of this file in the place of socket_connect and auth_nonce (the Makefile's
+ * FUZZ_WRAP). All that a server has to say is there when the client has connected; then its stream ends, so
+ * that nobody waits. */
 #include "fuzz.h"
 
 #include <fcntl.h>
@@ -26,12 +29,13 @@
 
 enum { RAW = 254, NEXT_SERVER = 253, SERVERS = 2, CONNECTIONS_MOST = 16, MOST = 100000 };
 
-static const char DECK[] = "domain { size = 1 1; r_c = 0.3; delta_r = 0.05 }\n"
-                           "time { dt = 0.01; steps = 3 }\n"
-                           "material Ni { rho0 = 8.9; c0 = 0.46; s = 1.4 }\n"
-                           "body b { shape = rectangle 0 0 1 1; spacing = 0.2; material = Ni; velocity = 0.01 0 }\n"
-                           "output { history_every = 1; snapshot_every = 2 }\n"
-                           "profile p { axis = x; bins = 4; every = 2 }\n";
+static const char DECK[] =
+    "domain { size = 1 1; r_c = 0.3; delta_r = 0.05 }\n"
+    "time { dt = 0.01; steps = 3 }\n"
+    "material Ni { rho0 = 8.9; c0 = 0.46; s = 1.4 }\n"
+    "body b { shape = rectangle 0 0 1 1; spacing = 0.2; material = Ni; velocity = 0.01 0 }\n"
+    "output { history_every = 1; snapshot_every = 2 }\n"
+    "profile p { axis = x; bins = 4; every = 2 }\n";
 
 static const struct auth_key KEY = {{1}};
 
@@ -96,8 +100,10 @@ static void speak(int fd, int server)
     (void)shutdown(fd, SHUT_WR);
 }
 
-enum dm2_status __wrap_socket_connect(const char *host, int port, struct deadline until, int *fd, struct dm2_error *err);
-enum dm2_status __wrap_socket_connect(const char *host, int port, struct deadline until, int *fd, struct dm2_error *err)
+enum dm2_status __wrap_socket_connect(const char *host, int port, struct deadline until, int *fd,
+                                      struct dm2_error *err);
+enum dm2_status __wrap_socket_connect(const char *host, int port, struct deadline until, int *fd,
+                                      struct dm2_error *err)
 {
     int pair[2];
     (void)host;
@@ -164,7 +170,8 @@ static void run(const struct client_options *options, int ranks)
     struct run_report report;
     struct client_job job = {
         .source = &p->source, .config = &p->config, .model = p->model, .decomposition = &p->cuts[ranks - 1]};
-    (void)snprintf(path, sizeof path, "%s/fuzz-client-%ld", directory == NULL ? "/tmp" : directory, (long)getpid());
+    (void)snprintf(path, sizeof path, "%s/fuzz-client-%ld", directory == NULL ? "/tmp" : directory,
+                   (long)getpid());
     if (results_open(path, true, &p->config, model_scales(p->model), digest, &job.results, NULL) != DM2_OK)
         return;
     if (client_run(&job, options, &report, NULL) == DM2_OK)
@@ -174,7 +181,8 @@ static void run(const struct client_options *options, int ranks)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    const struct endpoint servers[SERVERS] = {{.host = "127.0.0.1", .port = 1}, {.host = "127.0.0.1", .port = 2}};
+    const struct endpoint servers[SERVERS] = {{.host = "127.0.0.1", .port = 1},
+                                              {.host = "127.0.0.1", .port = 2}};
     const uint32_t sizes[] = {4};
     double seconds[2];
     struct client_echo echo = {.bytes = sizes, .sizes = 1, .repeats = 2, .budget = 0, .seconds = seconds};

@@ -1,5 +1,5 @@
-/* What users hand to the programs beside decks: byte 0 chooses a hosts file, a network of --allow, a table or a snapshot; the
- * rest is its text. */
+/* What users hand to the programs beside decks: byte 0 chooses a hosts file, a network of --allow, a table or
+ * a snapshot; the rest is its text. */
 #include "fuzz.h"
 
 #include <stdio.h>
@@ -28,7 +28,8 @@ static void read_snapshot(const char *text, size_t n)
     const char *directory = getenv("TMPDIR");
     char path[400];
     struct vtp vtp;
-    (void)snprintf(path, sizeof path, "%s/fuzz-vtp-%ld", directory == NULL ? "/tmp" : directory, (long)getpid());
+    (void)snprintf(path, sizeof path, "%s/fuzz-vtp-%ld", directory == NULL ? "/tmp" : directory,
+                   (long)getpid());
     FILE *file = fopen(path, "wb");
     if (file == NULL)
         return;

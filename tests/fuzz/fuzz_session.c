@@ -1,6 +1,7 @@
-/* The bytes are all that a client sends. Byte 0 says whether the server has a key, and whether it has time (bit 1: it has not, and
- * the bytes come from one who stands in the lobby); magic, version and checksum of frames are put right, so that what is
- * behind them is reached. The server's nonce is 0 (the Makefile's FUZZ_WRAP). */
+/* The bytes are all that a client sends. Byte 0 says whether the server has a key, and whether it has time
+ * (bit 1: it has not, and the bytes come from one who stands in the lobby); magic, version and checksum of
+ * frames are put right, so that what is behind them is reached. The server's nonce is 0 (the Makefile's
+ * FUZZ_WRAP). */
 #include "fuzz.h"
 
 #include <fcntl.h>
@@ -15,8 +16,8 @@
 
 enum { MOST = 60000 }; /* fits into the socket's buffer */
 
-/* The frames among the bytes, and what is left of them. A proof that begins with a 0 becomes the right one, and the frames behind
- * it get tags. */
+/* The frames among the bytes, and what is left of them. A proof that begins with a 0 becomes the right one,
+ * and the frames behind it get tags. */
 static void speak(int fd, const unsigned char *bytes, size_t n, const struct auth_key *key)
 {
     struct channel ch;

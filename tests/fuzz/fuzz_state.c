@@ -13,7 +13,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     const char *directory = getenv("TMPDIR");
     char path[400];
     uint32_t crc = crc32c(0, data, size);
-    (void)snprintf(path, sizeof path, "%s/fuzz-state-%ld", directory == NULL ? "/tmp" : directory, (long)getpid());
+    (void)snprintf(path, sizeof path, "%s/fuzz-state-%ld", directory == NULL ? "/tmp" : directory,
+                   (long)getpid());
     FILE *file = fopen(path, "wb");
     if (file == NULL)
         return 0;

@@ -1,5 +1,6 @@
-/* Runs a fuzz target without a fuzzer:  replay N FILE...  gives it every file as it is, and N times with random changes
- * (always the same ones): bits turned, bytes replaced, pieces cut out or repeated. Nothing may crash. */
+/* Runs a fuzz target without a fuzzer:  replay N FILE...  gives it every file as it is, and N times with
+ * random changes (always the same ones): bits turned, bytes replaced, pieces cut out or repeated. Nothing may
+ * crash. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

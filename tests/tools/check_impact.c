@@ -53,8 +53,8 @@ static void check_history(void)
         energy = fmax(energy, fabs(total[k] / total[0] - 1.0));
         momentum = fmax(momentum, fmax(fabs(px[k] - px[0]), fabs(py[k] - py[0])) / py[0]);
     }
-    printf("free-surface velocity: peak %g cm/us\nenergy off by %g, momentum by %g of the initial\n", peak, energy,
-           momentum);
+    printf("free-surface velocity: peak %g cm/us\nenergy off by %g, momentum by %g of the initial\n", peak,
+           energy, momentum);
     CHECK(peak > 0.040 && peak < 0.048);
     CHECK(energy < 0.005);
     CHECK(momentum < 1e-12);
@@ -99,11 +99,12 @@ static void check_rows(void)
         }
     }
     double interface = y[FLYER_ROWS] - y[FLYER_ROWS - 1];
-    printf("flyer and target: rows %g row distances apart\nspall: target rows %zu and %zu are %g row distances apart\n",
+    printf("flyer and target: rows %g row distances apart\nspall: target rows %zu and %zu are %g row "
+           "distances apart\n",
            interface / row, at, at + 1, widest / row);
-    CHECK(interface > 1.2 * 0.04);    /* further than elements touch, or links would hold */
-    CHECK(widest > 1.4 * row);        /* torn, */
-    CHECK(at >= 10 && at <= 18);      /* in the upper half of the target's 22 rows */
+    CHECK(interface > 1.2 * 0.04); /* further than elements touch, or links would hold */
+    CHECK(widest > 1.4 * row);     /* torn, */
+    CHECK(at >= 10 && at <= 18);   /* in the upper half of the target's 22 rows */
     vtp_free(&start);
     vtp_free(&end);
 }

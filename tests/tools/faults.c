@@ -4,10 +4,11 @@
  *     faults SEED RUNS FAULTS TIMEOUT     seeds from SEED on, until FAULTS faults have happened, of every
  * kind one at least, or RUNS runs are done
  *
- * The working directory has deck.dm2, its sequential results in whole/, their names in `results`, one per line, and a
- * key file `key`; DM2_BIN and DM2_BUILD are set. A seed chooses the number of servers, 2 to 8, whether there is a
- * key, checkpoints, whether killed servers come back, and one to three faults; what the first is goes round with the
- * seed, so that consecutive seeds cover every kind. Servers live on from run to run.
+ * The working directory has deck.dm2, its sequential results in whole/, their names in `results`, one per
+ * line, and a key file `key`; DM2_BIN and DM2_BUILD are set. A seed chooses the number of servers, 2 to 8,
+ * whether there is a key, checkpoints, whether killed servers come back, and one to three faults; what the
+ * first is goes round with the seed, so that consecutive seeds cover every kind. Servers live on from run to
+ * run.
  *
  * A run is right when it ends within its deadline and
  *     same       its results are those of the sequential run to the byte, or
@@ -184,8 +185,7 @@ static void remove_run(void)
     (void)run(argv, "faults.log", 10, &status);
 }
 
-/* --- one run -----------------------------------------------------------------------------------------------
- */
+/* --- one run --- */
 
 static uint64_t draw(const struct trial *t, uint64_t which, uint64_t below)
 {
@@ -347,8 +347,7 @@ static bool run_client(struct trial *t, int *status)
     return ended;
 }
 
-/* --- the judgement
- * ------------------------------------------------------------------------------------------ */
+/* --- the judgement --- */
 
 static enum outcome failed(struct trial *t, const char *why)
 {
@@ -356,8 +355,8 @@ static enum outcome failed(struct trial *t, const char *why)
     return FAILED;
 }
 
-/* Are all results those of the sequential run? `early`: those that are there, but for the list of snapshots, which
- * grows. */
+/* Are all results those of the sequential run? `early`: those that are there, but for the list of snapshots,
+ * which grows. */
 static bool same_results(bool early)
 {
     char ours[TEXT], theirs[TEXT], entry[LINE];

@@ -1,11 +1,12 @@
 /* Runs one test for tests/run.sh:  supervise NAME SECONDS LOG COMMAND [ARGUMENT...]
  *
- * The command gets a process group of its own, /dev/null as standard input and LOG as output. When it ends, or
- * after SECONDS, or when the runner that started this program is gone, whatever is left of its group is
+ * The command gets a process group of its own, /dev/null as standard input and LOG as output. When it ends,
+ * or after SECONDS, or when the runner that started this program is gone, whatever is left of its group is
  * killed: TERM first, so that a test can end its own servers, KILL two seconds later. Then one line goes to
  * standard output, in one write, so that several supervisors can share a pipe:
  *
- *     NAME exit CODE SECONDS | NAME signal NUMBER SECONDS | NAME timeout 0 SECONDS | NAME broken ERRNO SECONDS
+ *     NAME exit CODE SECONDS | NAME signal NUMBER SECONDS | NAME timeout 0 SECONDS | NAME broken ERRNO
+ * SECONDS
  *
  * A shell could do neither part reliably: without a terminal it has no process groups, and its clock is
  * in whole seconds. */
@@ -58,8 +59,9 @@ static void become(const char *log, char **command, const sigset_t *mask)
     _exit(errno == ENOENT ? 127 : 126);
 }
 
-/* Waits until the child has ended or the deadline or a signal to this program has come. True: it has ended. It is not
- * reaped yet: its id stays taken, so that its group can still be killed without hitting a stranger. */
+/* Waits until the child has ended or the deadline or a signal to this program has come. True: it has ended.
+ * It is not reaped yet: its id stays taken, so that its group can still be killed without hitting a stranger.
+ */
 static bool wait_until(pid_t child, double deadline, const sigset_t *unblocked, pid_t parent)
 {
     for (;;) {

@@ -1,9 +1,8 @@
 /* The ends of a connection that the tests play themselves.
  *
  *     tcp send PORT     connects to 127.0.0.1, sends standard input, ends its stream, prints what comes back
- *     tcp hold PORT     connects, says HELLO, prints "connected" when it is welcome, and does nothing more until standard
- *                       input ends: a server without a key is busy with it
- *     tcp silent PORT   the same without a word
+ *     tcp hold PORT     connects, says HELLO, prints "connected" when it is welcome, and does nothing more
+ * until standard input ends: a server without a key is busy with it tcp silent PORT   the same without a word
  *     tcp mirror        listens on a free port, prints it, takes one connection, sends back what comes
  *     tcp answer        listens on a free port, prints it, takes one connection, sends standard input
  *                       at once, and waits for the other end to close

@@ -13,7 +13,8 @@ struct loaded {
     struct deck_report report;
 };
 
-/* Goes to the source tree, where docs, input and tests/decks are: DM2_SRC, or else where the test was started. */
+/* Goes to the source tree, where docs, input and tests/decks are: DM2_SRC, or else where the test was
+ * started. */
 static inline void enter_source_tree(void)
 {
     const char *tree = getenv("DM2_SRC");

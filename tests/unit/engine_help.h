@@ -1,5 +1,6 @@
-/* For tests of the engine: a deck in memory, run in this process on any number of ranks, without a socket. The
- * exchange is made of the calls that servers make: update, or sort_out, transport of the parcels, take_in. */
+/* For tests of the engine: a deck in memory, run in this process on any number of ranks, without a socket.
+ * The exchange is made of the calls that servers make: update, or sort_out, transport of the parcels,
+ * take_in. */
 #ifndef DM2_TESTS_ENGINE_HELP_H
 #define DM2_TESTS_ENGINE_HELP_H
 
@@ -22,8 +23,8 @@ struct engine {
     struct rebuild_plan plan;
     size_t migrants; /* elements that changed owner so far */
     size_t rebuilds;
-    bool ahead;          /* every move begins the next forces, as a server does; off for a last step */
-    bool ahead_measures; /* and they will measure */
+    bool ahead;           /* every move begins the next forces, as a server does; off for a last step */
+    bool ahead_measures;  /* and they will measure */
     struct dm2_error err; /* of the last call that failed */
 };
 
@@ -73,7 +74,8 @@ static inline void engine_start(struct engine *g, const char *text, const char *
 }
 
 /* The same of a deck in a file, with what it includes. */
-static inline void engine_start_file(struct engine *g, const char *path, const char *const *defines, int ranks)
+static inline void engine_start_file(struct engine *g, const char *path, const char *const *defines,
+                                     int ranks)
 {
     memset(g, 0, sizeof *g);
     g->deck = load_path(path, defines, -1);
@@ -87,8 +89,8 @@ static inline void engine_restore(struct engine *g, int64_t step, const struct e
 {
     for (int r = 0; r < g->map.ranks; r++) {
         subdomain_free(g->sd[r]);
-        engine_must(g, subdomain_restore(g->model, &g->map, r, step, s->e, s->n, s->pair, s->n_pairs, &g->sd[r],
-                                         &g->err));
+        engine_must(g, subdomain_restore(g->model, &g->map, r, step, s->e, s->n, s->pair, s->n_pairs,
+                                         &g->sd[r], &g->err));
     }
     rebuild_plan_done(&g->plan);
 }
@@ -134,7 +136,8 @@ static inline void engine_update(struct engine *g)
 static inline void engine_rebuild(struct engine *g)
 {
     int n = g->map.ranks;
-    struct parcel *parcels = calloc((size_t)(n * n), sizeof *parcels), *mine = calloc((size_t)n, sizeof *mine);
+    struct parcel *parcels = calloc((size_t)(n * n), sizeof *parcels),
+                  *mine = calloc((size_t)n, sizeof *mine);
     for (int from = 0; from < n; from++) {
         engine_must(g, subdomain_sort_out(g->sd[from], parcels + from * n, &g->err));
         for (int to = 0; to < n; to++)
@@ -255,12 +258,14 @@ static inline void engine_state_free(struct engine_state *s)
 static inline bool engine_same_element(const struct element *a, const struct element *b)
 {
     return a->id == b->id && a->grain == b->grain && a->body == b->body && a->kind == b->kind &&
-           a->flags == b->flags && a->probes == b->probes && memcmp(&a->radius, &b->radius, sizeof a->radius) == 0 &&
+           a->flags == b->flags && a->probes == b->probes &&
+           memcmp(&a->radius, &b->radius, sizeof a->radius) == 0 &&
            memcmp(&a->mass, &b->mass, sizeof a->mass) == 0 && memcmp(a->r, b->r, sizeof a->r) == 0 &&
            memcmp(a->v, b->v, sizeof a->v) == 0 && memcmp(&a->w, &b->w, sizeof a->w) == 0 &&
            memcmp(&a->heat, &b->heat, sizeof a->heat) == 0 && memcmp(&a->p, &b->p, sizeof a->p) == 0 &&
            memcmp(&a->work, &b->work, sizeof a->work) == 0 && a->was == b->was &&
-           memcmp(a->share, b->share, sizeof a->share) == 0 && memcmp(&a->moved, &b->moved, sizeof a->moved) == 0 &&
+           memcmp(a->share, b->share, sizeof a->share) == 0 &&
+           memcmp(&a->moved, &b->moved, sizeof a->moved) == 0 &&
            memcmp(a->strain, b->strain, sizeof a->strain) == 0 && a->bonds == b->bonds;
 }
 
@@ -272,20 +277,23 @@ static inline bool engine_same_pair(const struct pair_record *a, const struct pa
 }
 
 /* Fails the test at the first element and the first pair whose bits differ. */
-static inline void engine_check_same(const struct engine_state *got, const struct engine_state *want, const char *what)
+static inline void engine_check_same(const struct engine_state *got, const struct engine_state *want,
+                                     const char *what)
 {
     size_t e = 0, p = 0;
     CHECK_REPORT(got->n == want->n, "%s: %zu elements, expected %zu", what, got->n, want->n);
     while (e < got->n && e < want->n && engine_same_element(&got->e[e], &want->e[e]))
         e++;
-    CHECK_REPORT(e == want->n, "%s: element %zu differs: r (%.17g, %.17g) and (%.17g, %.17g)", what, e, got->e[e].r[0],
-                 got->e[e].r[1], want->e[e].r[0], want->e[e].r[1]);
-    CHECK_REPORT(got->n_pairs == want->n_pairs, "%s: %zu pairs, expected %zu", what, got->n_pairs, want->n_pairs);
+    CHECK_REPORT(e == want->n, "%s: element %zu differs: r (%.17g, %.17g) and (%.17g, %.17g)", what, e,
+                 got->e[e].r[0], got->e[e].r[1], want->e[e].r[0], want->e[e].r[1]);
+    CHECK_REPORT(got->n_pairs == want->n_pairs, "%s: %zu pairs, expected %zu", what, got->n_pairs,
+                 want->n_pairs);
     while (p < got->n_pairs && p < want->n_pairs && engine_same_pair(&got->pair[p], &want->pair[p]))
         p++;
-    CHECK_REPORT(p == want->n_pairs, "%s: pair %zu differs: (%u, %u) spring %.17g, expected (%u, %u) spring %.17g", what,
-                 p, got->pair[p].id_a, got->pair[p].id_b, got->pair[p].spring, want->pair[p].id_a, want->pair[p].id_b,
-                 want->pair[p].spring);
+    CHECK_REPORT(p == want->n_pairs,
+                 "%s: pair %zu differs: (%u, %u) spring %.17g, expected (%u, %u) spring %.17g", what, p,
+                 got->pair[p].id_a, got->pair[p].id_b, got->pair[p].spring, want->pair[p].id_a,
+                 want->pair[p].id_b, want->pair[p].spring);
 }
 
 /* kinetic + potential + elastic + thermal + chemical + phase - work, which an exact integration keeps. */

@@ -28,8 +28,10 @@ TEST(networks_to_the_bit)
         {"::1", "::1", "::2"},
     };
     for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
-        CHECK_REPORT(admits(cases[k].network, cases[k].inside), "%s does not admit %s", cases[k].network, cases[k].inside);
-        CHECK_REPORT(!admits(cases[k].network, cases[k].outside), "%s admits %s", cases[k].network, cases[k].outside);
+        CHECK_REPORT(admits(cases[k].network, cases[k].inside), "%s does not admit %s", cases[k].network,
+                     cases[k].inside);
+        CHECK_REPORT(!admits(cases[k].network, cases[k].outside), "%s admits %s", cases[k].network,
+                     cases[k].outside);
     }
     CHECK(!admits("::/0", "no address"));
 }
@@ -50,10 +52,23 @@ TEST(several_networks_and_none)
 
 TEST(what_is_no_network)
 {
-    static const char *const wrong[] = {"",           "ten",          "10",         "10.0.0.0/",    "10.0.0.0/33",
-                                        "10.0.0.0/-1", "10.0.0.0/8x", "10.0.0.0/ 8", "10.0.0.1/8",  "fd00::/129",
-                                        "fd00::1/8",  "1.2.3.4.5",    "/8",         "host.name/24", "10.0.0.0/99999999999999999999",
-                                        "1111:2222:3333:4444:5555:6666:7777:8888:9999:aaaa:bbbb:cccc:dddd:eeee:ffff/8"};
+    static const char *const wrong[] = {
+        "",
+        "ten",
+        "10",
+        "10.0.0.0/",
+        "10.0.0.0/33",
+        "10.0.0.0/-1",
+        "10.0.0.0/8x",
+        "10.0.0.0/ 8",
+        "10.0.0.1/8",
+        "fd00::/129",
+        "fd00::1/8",
+        "1.2.3.4.5",
+        "/8",
+        "host.name/24",
+        "10.0.0.0/99999999999999999999",
+        "1111:2222:3333:4444:5555:6666:7777:8888:9999:aaaa:bbbb:cccc:dddd:eeee:ffff/8"};
     for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; k++) {
         struct allow_list list = {0};
         struct dm2_error err = {0};

@@ -88,5 +88,5 @@ TEST(square_root_is_rounded_correctly)
 }
 
 TEST_MAIN(CASE(format_is_binary64), CASE(doubles_are_evaluated_as_doubles), CASE(rounding_is_to_nearest),
-          CASE(products_are_rounded_before_they_are_added), CASE(products_in_loops_too), CASE(nothing_is_regrouped),
-          CASE(subnormals_are_kept), CASE(square_root_is_rounded_correctly))
+          CASE(products_are_rounded_before_they_are_added), CASE(products_in_loops_too),
+          CASE(nothing_is_regrouped), CASE(subnormals_are_kept), CASE(square_root_is_rounded_correctly))

@@ -114,7 +114,8 @@ TEST(texts_of_others_do_nothing_to_a_terminal)
         {"a\nb\tc", "a b c", "a\nb\tc"},
         {"\303\244 \342\202\254 \360\237\230\200", "\303\244 \342\202\254 \360\237\230\200",
          "\303\244 \342\202\254 \360\237\230\200"},
-        {"\302\233x \233y \342\202", "??x ?y ??", "??x ?y ??"}, /* U+009B, its byte alone, a character cut short */
+        {"\302\233x \233y \342\202", "??x ?y ??",
+         "??x ?y ??"}, /* U+009B, its byte alone, a character cut short */
     };
     for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
         char text[64];
@@ -127,5 +128,6 @@ TEST(texts_of_others_do_nothing_to_a_terminal)
     }
 }
 
-TEST_MAIN(CASE(texts_of_others_do_nothing_to_a_terminal), CASE(exact_sums_do_not_depend_on_order), CASE(exact_sums_are_exact), CASE(exact_sums_take_integer_units), CASE(idmap_finds_what_was_added),
+TEST_MAIN(CASE(texts_of_others_do_nothing_to_a_terminal), CASE(exact_sums_do_not_depend_on_order),
+          CASE(exact_sums_are_exact), CASE(exact_sums_take_integer_units), CASE(idmap_finds_what_was_added),
           CASE(random_numbers_are_uniform), CASE(memory_sizes_do_not_overflow))

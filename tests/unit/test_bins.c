@@ -19,7 +19,8 @@ static struct grid cells_and_points(bool periodic_x, bool periodic_y, double r[2
     CHECK_EQ_INT(grid_build(origin, size, periodic, 0.5, &cells, NULL), DM2_OK);
     for (size_t k = 0; k < 2 * N; k++) {
         double share = random_uniform(1, k, 0);
-        r[k] = periodic[k % 2] ? origin[k % 2] + share * size[k % 2] : origin[k % 2] + (3.0 * share - 1.0) * size[k % 2];
+        r[k] = periodic[k % 2] ? origin[k % 2] + share * size[k % 2]
+                               : origin[k % 2] + (3.0 * share - 1.0) * size[k % 2];
     }
     return cells;
 }
@@ -103,5 +104,5 @@ TEST(few_elements_are_binned_as_well)
     bins_free(&b);
 }
 
-TEST_MAIN(CASE(who_is_near_stands_in_a_touching_bin), CASE(bins_that_would_be_too_many_or_too_few_are_refused),
-          CASE(few_elements_are_binned_as_well))
+TEST_MAIN(CASE(who_is_near_stands_in_a_touching_bin),
+          CASE(bins_that_would_be_too_many_or_too_few_are_refused), CASE(few_elements_are_binned_as_well))

@@ -68,7 +68,8 @@ TEST(a_piston_is_the_same_on_any_number_of_ranks)
 /* The lattice fits the period in x and in y: 24 elements of 0.05 a row, 28 rows. */
 static const char seamless[] =
     "let row = 0.05*sqrt(3)/2\n"
-    "domain { size = 1.2 28*row; r_c = 0.08; delta_r = 0.01; rebuild_every = 10; boundary = periodic periodic }\n" SOLID
+    "domain { size = 1.2 28*row; r_c = 0.08; delta_r = 0.01; rebuild_every = 10; boundary = periodic "
+    "periodic }\n" SOLID
     "body all { shape = rectangle 0 0 1.2 28*row; spacing = 0.05; origin = 0.0125 row/2; material = Cu; "
     "velocity = 0.02 0.01 }\n";
 
@@ -80,8 +81,8 @@ TEST(a_periodic_crystal_is_bulk)
     engine_step(&g, &m);
     CHECK_EQ_INT(m.elements, 24 * 28);
     CHECK_EQ_INT(m.links, 3 * 24 * 28); /* also across both seams and the corner */
-    /* It moves through the seams without any force arising: velocities stay, nothing heats. Its motion as one asks for no
-     * rebuild, so the deck does. */
+    /* It moves through the seams without any force arising: velocities stay, nothing heats. Its motion as one
+     * asks for no rebuild, so the deck does. */
     engine_run(&g, 3000);
     CHECK(g.migrants > 100);
     engine_step(&g, &m);
@@ -106,7 +107,7 @@ TEST(a_seam_is_nowhere)
         "let x = 0\n"
         "domain { origin = -x 0; size = 1.2 28*row; r_c = 0.08; delta_r = 0.01; boundary = periodic periodic "
         "}\n" SOLID "body left { shape = rectangle 0.4 0 0.8 28*row; spacing = 0.05; origin = 0.0125 row/2; "
-                    "material = Cu; velocity = 0.02 0 }\n"
+        "material = Cu; velocity = 0.02 0 }\n"
         "body right1 { shape = rectangle 0.8 0 1.2 - x 28*row; spacing = 0.05; origin = 0.0125 row/2; "
         "material = Cu }\n"
         "body right2 { shape = rectangle -x 0 0.4 28*row; spacing = 0.05; origin = 0.0125 row/2; material = "

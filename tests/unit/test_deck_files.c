@@ -123,7 +123,8 @@ static void run_deck(const char *name, int good)
         (void)strcat(err.text, "\n");
         check_report(name, err.text, ".err");
     } else {
-        CHECK_REPORT(status == (good ? DM2_OK : DM2_DECK), "%s: status %d\n%s", name, (int)status, report.text);
+        CHECK_REPORT(status == (good ? DM2_OK : DM2_DECK), "%s: status %d\n%s", name, (int)status,
+                     report.text);
         check_report(name, report.text, good ? ".warn" : ".err");
     }
     config_free(&config);
@@ -162,7 +163,7 @@ TEST(input_decks_load_without_a_warning)
     CHECK(run_folder("input", 1) >= 3);
 }
 
-/* --- mutation ----------------------------------------------------------------------------------------- */
+/* --- mutation --- */
 
 static uint64_t next_random(uint64_t *state)
 {

@@ -267,7 +267,7 @@ TEST(rows_of_the_network)
 }
 
 TEST_MAIN(CASE(equation_7_keeps_n_and_s), CASE(cells_and_the_forms_of_t_seq_and_p), CASE(equation_13),
-          CASE(communication), CASE(networks_between_and_beyond_the_measured_ones), CASE(k_of_a_size), CASE(the_papers_speedups),
-          CASE(thresholds_of_the_aspect_ratio), CASE(high_domains_are_turned_wide_ones),
-          CASE(limits_and_monotony), CASE(faster_parts), CASE(constants_that_cannot_be),
-          CASE(rows_of_the_network))
+          CASE(communication), CASE(networks_between_and_beyond_the_measured_ones), CASE(k_of_a_size),
+          CASE(the_papers_speedups), CASE(thresholds_of_the_aspect_ratio),
+          CASE(high_domains_are_turned_wide_ones), CASE(limits_and_monotony), CASE(faster_parts),
+          CASE(constants_that_cannot_be), CASE(rows_of_the_network))

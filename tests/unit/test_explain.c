@@ -50,7 +50,8 @@ TEST(fewer_processors_than_servers_share_the_computing)
     CHECK_NEAR(explain_run(&in).computing, 5e-3, 1e-15);
 }
 
-/* What servers compute while messages are on the way hides them, where the client's work is not theirs too. */
+/* What servers compute while messages are on the way hides them, where the client's work is not theirs too.
+ */
 TEST(work_ahead_hides_communication)
 {
     struct explain_server server[2];

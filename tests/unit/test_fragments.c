@@ -1,5 +1,5 @@
-/* Fragments against a search that colours one component after the other, on made-up graphs, whatever the order of the
- * pairs. */
+/* Fragments against a search that colours one component after the other, on made-up graphs, whatever the
+ * order of the pairs. */
 #include <stdbool.h>
 
 #include "check.h"
@@ -97,8 +97,8 @@ TEST(as_a_search_finds_them)
         struct fragment_counts counts, same;
         make(&g, 7 + k, 200, pairs[k]);
         compare(&g, fragment, &counts);
-        printf("%zu pairs: %zu fragments, %zu single, largest %zu\n", pairs[k], counts.fragments, counts.single,
-               counts.largest);
+        printf("%zu pairs: %zu fragments, %zu single, largest %zu\n", pairs[k], counts.fragments,
+               counts.single, counts.largest);
         for (size_t p = 0; p < g.n_pairs / 2; p++) { /* the other way round */
             struct pair_record swap = g.p[p];
             g.p[p] = g.p[g.n_pairs - 1 - p];

@@ -379,7 +379,8 @@ TEST(keyed_frames_cannot_be_forged)
     close_pair();
 }
 
-TEST_MAIN(CASE(keyed_frames_arrive), CASE(keyed_frames_cannot_be_forged), CASE(frames_arrive), CASE(frames_arrive_byte_by_byte), CASE(a_large_frame_in_many_pieces),
+TEST_MAIN(CASE(keyed_frames_arrive), CASE(keyed_frames_cannot_be_forged), CASE(frames_arrive),
+          CASE(frames_arrive_byte_by_byte), CASE(a_large_frame_in_many_pieces),
           CASE(frames_that_arrive_together), CASE(strangers_are_told_at_once), CASE(another_version_is_named),
           CASE(a_length_above_the_limit_is_refused_unread), CASE(memory_grows_with_what_arrives),
           CASE(every_changed_bit_is_noticed), CASE(a_cut_frame_is_an_error_everywhere),

@@ -40,9 +40,12 @@ static struct made make(const char *text, const char *const *defines, struct eng
     const struct model_estimate about = model_estimate(model_config(g->model));
     const struct grid *grid = model_grid(g->model);
     double n = (double)m.n, cells = (double)grid->cx * grid->cy;
-    CHECK_REPORT(n < 1.02 * about.elements && n > about.elements / 4, "%g elements, about %g", n, about.elements);
-    CHECK_REPORT(n < 1.02 * about.places && about.places < 16 * about.elements, "%g of %g places", n, about.places);
-    CHECK_REPORT(cells <= about.cells && about.cells < 2 * cells + 8, "%g cells, about %g", cells, about.cells);
+    CHECK_REPORT(n < 1.02 * about.elements && n > about.elements / 4, "%g elements, about %g", n,
+                 about.elements);
+    CHECK_REPORT(n < 1.02 * about.places && about.places < 16 * about.elements, "%g of %g places", n,
+                 about.places);
+    CHECK_REPORT(cells <= about.cells && about.cells < 2 * cells + 8, "%g cells, about %g", cells,
+                 about.cells);
     return m;
 }
 
@@ -124,8 +127,8 @@ TEST(mixes_have_their_fractions)
     engine_stop(&g);
 }
 
-/* Neighbours of a grain lie at multiples of 60 degrees to its own direction, and directions are spread over the 60 degrees that the
- * lattice has. */
+/* Neighbours of a grain lie at multiples of 60 degrees to its own direction, and directions are spread over
+ * the 60 degrees that the lattice has. */
 TEST(grains_have_orientations)
 {
     struct engine g;
@@ -209,7 +212,8 @@ TEST(every_rank_makes_the_same)
                         40);
 }
 
-/* The triangles between its centre and its sides, which grains.h has in units of the radius of the circle around it. */
+/* The triangles between its centre and its sides, which grains.h has in units of the radius of the circle
+ * around it. */
 static double polygon_area(const struct grain_set *set, const struct grain *grain)
 {
     double area = 0.0;

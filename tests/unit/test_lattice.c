@@ -1,12 +1,13 @@
-/* What the lattice makes of the materials' numbers: speeds of long and shear waves along both directions of the
- * lattice, the free surface of a symmetric impact, and how the energy of an undamped lattice converges. */
+/* What the lattice makes of the materials' numbers: speeds of long and shear waves along both directions of
+ * the lattice, the free surface of a symmetric impact, and how the energy of an undamped lattice converges.
+ */
 #include "engine_help.h"
 
 #include "engine/tables.h"
 
-#define METALS                                                                                                         \
-    "material Ni { rho0 = 8.874; c0 = 0.4602; s = 1.437; shear = 0.855 }\n"                                            \
-    "material Al { rho0 = 2.703; c0 = 0.5350; s = 1.340; shear = 0.276 }\n"                                            \
+#define METALS                                                                                               \
+    "material Ni { rho0 = 8.874; c0 = 0.4602; s = 1.437; shear = 0.855 }\n"                                  \
+    "material Al { rho0 = 2.703; c0 = 0.5350; s = 1.340; shear = 0.276 }\n"                                  \
     "material Cu { rho0 = 8.930; c0 = 0.3940; s = 1.489; shear = 0.477 }\n"
 
 /* A sheet, periodic both ways: columns x rows elements. */
@@ -14,9 +15,9 @@ static const char sheet_deck[] =
     "let columns = 60; let rows = 6; let d = 0.04; let half = d/2\n"
     "let width = columns*d; let height = rows*sqrt(3)*half\n"
     "domain { size = width height; boundary = periodic periodic; r_c = 1.1*d; delta_r = 0.1*d }\n"
-    "time { dt = 0.02; steps = 1 }\n" METALS
-    "interaction { potential = morse; %s }\n"
-    "body sheet { shape = rectangle 0 0 width height; spacing = d; origin = half/2 sqrt(3)*half/2; material = %s }\n";
+    "time { dt = 0.02; steps = 1 }\n" METALS "interaction { potential = morse; %s }\n"
+    "body sheet { shape = rectangle 0 0 width height; spacing = d; origin = half/2 sqrt(3)*half/2; material "
+    "= %s }\n";
 
 static void sheet_text(char *text, size_t size, const char *metal, const char *more)
 {
@@ -40,7 +41,8 @@ static double wave_speed(const char *metal, int along, int motion, double *expec
         s.e[i].v[motion] = amplitude * sin(k * s.e[i].r[along]);
     engine_restore(&g, 0, &s);
     const struct pair_law *law = model_law(g.model, s.e[0].kind, s.e[0].kind, RELATION_SAME_GRAIN);
-    double c11 = sqrt(3.0) / 4.0 * (3.0 * law->k + law->kt_link), c66 = sqrt(3.0) / 4.0 * (law->k + law->kt_link);
+    double c11 = sqrt(3.0) / 4.0 * (3.0 * law->k + law->kt_link),
+           c66 = sqrt(3.0) / 4.0 * (law->k + law->kt_link);
     double rho = g.deck.config.materials[s.e[0].kind].rho0;
     *expected = sqrt((along == motion ? c11 : c66) / rho);
     engine_state_free(&s);
@@ -94,7 +96,7 @@ TEST(uniaxial_calibration_gives_the_bulk_sound_speed)
     engine_stop(&g);
 }
 
-/* --- symmetric impact --------------------------------------------------------------------------------------------- */
+/* --- symmetric impact --- */
 
 static const char impact_deck[] =
     "let d = 0.04; let row = sqrt(3)/2*d; let rows = 40; let columns = 6; let up2 = 0.04\n"
@@ -102,7 +104,8 @@ static const char impact_deck[] =
     "domain { size = width height; boundary = periodic free; r_c = 1.1*d; delta_r = 0.1*d }\n"
     "time { dt = 0.02; steps = 400 }\n" METALS
     "interaction { potential = morse; zeta = 0.1; ct_ratio = 0.02; link_break = 1.09 }\n"
-    "body flyer { shape = rectangle 0 0 width line; spacing = d; origin = d/4 row/2; material = Ni; velocity = 0 up2 }\n"
+    "body flyer { shape = rectangle 0 0 width line; spacing = d; origin = d/4 row/2; material = Ni; velocity "
+    "= 0 up2 }\n"
     "body target { shape = rectangle 0 line width 2*line; spacing = d; origin = d/4 row/2; material = Ni }\n"
     "probe surface { region = 0, 2*line - 1.01*row, width, 2*line }\n";
 
@@ -118,7 +121,8 @@ TEST(free_surface_moves_at_twice_the_particle_velocity)
         for (int step = 0; step < 210; step++) {
             struct measures m;
             engine_step(&g, &m);
-            double v = exact_value(&m.probe[0].v[1], model_scales(g.model).velocity) / (double)m.probe[0].count;
+            double v =
+                exact_value(&m.probe[0].v[1], model_scales(g.model).velocity) / (double)m.probe[0].count;
             peak = v > peak ? v : peak;
             if (arrived < 0 && v > 0.5 * up2)
                 arrived = step;
@@ -128,22 +132,24 @@ TEST(free_surface_moves_at_twice_the_particle_velocity)
             }
         }
         CHECK_EQ_INT(counted, 40);
-        printf("2 up = %g: free surface %.6f (%.4f), peak %.6f, shock arrived at step %d\n", up2, sum / counted,
-               sum / counted / up2, peak, arrived);
+        printf("2 up = %g: free surface %.6f (%.4f), peak %.6f, shock arrived at step %d\n", up2,
+               sum / counted, sum / counted / up2, peak, arrived);
         CHECK_NEAR_REL(sum / counted, up2, 0.02);
         engine_stop(&g);
     }
 }
 
-/* --- convergence of the energy ------------------------------------------------------------------------------------ */
+/* --- convergence of the energy --- */
 
 static const char atoms_deck[] =
     "let dt = 0.01; let width = 20; let height = 10*sqrt(3)\n"
     "domain { size = width height; boundary = periodic periodic; r_c = 2.3; delta_r = 0.3 }\n"
     "time { dt = dt; steps = 1 }\n"
     "material atom { mass = 1 }\n"
-    "interaction { potential = lennard-jones; scope = all; epsilon = 1; sigma = 0.9; cutoff = 2.3; linked = no }\n"
-    "body sheet { shape = rectangle 0 0 width height; spacing = 1; origin = 0.25 0.4; material = atom; jitter = 0.25\n"
+    "interaction { potential = lennard-jones; scope = all; epsilon = 1; sigma = 0.9; cutoff = 2.3; linked = "
+    "no }\n"
+    "body sheet { shape = rectangle 0 0 width height; spacing = 1; origin = 0.25 0.4; material = atom; "
+    "jitter = 0.25\n"
     "             seed = 5 }\n";
 
 /* Largest difference of the total energy from its first value, over the time 2. */
@@ -167,12 +173,15 @@ static double energy_error(const char *dt)
 
 TEST(energy_error_of_atoms_falls_as_the_square_of_the_step)
 {
-    double coarse = energy_error("dt=0.01"), middle = energy_error("dt=0.005"), fine = energy_error("dt=0.0025");
-    printf("energy off by %g, %g, %g: ratios %.3f, %.3f\n", coarse, middle, fine, coarse / middle, middle / fine);
+    double coarse = energy_error("dt=0.01"), middle = energy_error("dt=0.005"),
+           fine = energy_error("dt=0.0025");
+    printf("energy off by %g, %g, %g: ratios %.3f, %.3f\n", coarse, middle, fine, coarse / middle,
+           middle / fine);
     CHECK_NEAR(coarse / middle, 4.0, 0.3);
     CHECK_NEAR(middle / fine, 4.0, 0.3);
 }
 
-TEST_MAIN(CASE(waves_travel_at_the_lattice_constants_speeds), CASE(uniaxial_calibration_gives_the_bulk_sound_speed),
+TEST_MAIN(CASE(waves_travel_at_the_lattice_constants_speeds),
+          CASE(uniaxial_calibration_gives_the_bulk_sound_speed),
           CASE(free_surface_moves_at_twice_the_particle_velocity),
           CASE(energy_error_of_atoms_falls_as_the_square_of_the_step))

@@ -1,5 +1,6 @@
-/* The pair law: potentials against their closed forms and against the slope of their energies, yield lengths against
- * the force there, damping and conduction against their equations, and the promise that exchanging the two elements changes signs alone, to the last bit. */
+/* The pair law: potentials against their closed forms and against the slope of their energies, yield lengths
+ * against the force there, damping and conduction against their equations, and the promise that exchanging
+ * the two elements changes signs alone, to the last bit. */
 #include "check.h"
 
 #include "engine/law.h"
@@ -8,10 +9,25 @@ static const double r0 = 0.04;
 
 static struct pair_law law_of(enum potential_kind potential)
 {
-    return (struct pair_law){.potential = potential, .scope = SCOPE_LINKED, .near = true, .tangential = true, .k = 1.4,
-                             .shape = 2.9, .kt_link = 0.5, .kt_contact = 0.5, .mu = 0.3, .link_break = 1.3,
-                             .link_form = 0.9, .yield_i = INFINITY, .yield_j = INFINITY, .tensile_i = INFINITY,
-                             .tensile_j = INFINITY, .cn = 0.4, .ct = 0.1, .cn_mass = -1.0, .ct_mass = -1.0};
+    return (struct pair_law){.potential = potential,
+                             .scope = SCOPE_LINKED,
+                             .near = true,
+                             .tangential = true,
+                             .k = 1.4,
+                             .shape = 2.9,
+                             .kt_link = 0.5,
+                             .kt_contact = 0.5,
+                             .mu = 0.3,
+                             .link_break = 1.3,
+                             .link_form = 0.9,
+                             .yield_i = INFINITY,
+                             .yield_j = INFINITY,
+                             .tensile_i = INFINITY,
+                             .tensile_j = INFINITY,
+                             .cn = 0.4,
+                             .ct = 0.1,
+                             .cn_mass = -1.0,
+                             .ct_mass = -1.0};
 }
 
 static const enum potential_kind kinds[] = {POTENTIAL_QUADRATIC, POTENTIAL_MORSE, POTENTIAL_LENNARD_JONES};
@@ -60,7 +76,8 @@ TEST(stiffness_at_contact)
     for (int p = 0; p < 3; p++) {
         struct pair_law law = law_of(kinds[p]);
         double u, h = 1e-6 * r0;
-        double slope = (potential_force(&law, r0 + h, r0, &u) - potential_force(&law, r0 - h, r0, &u)) / (2.0 * h);
+        double slope =
+            (potential_force(&law, r0 + h, r0, &u) - potential_force(&law, r0 - h, r0, &u)) / (2.0 * h);
         CHECK_NEAR_REL(-slope, law.k, 1e-8);
     }
 }
@@ -96,14 +113,15 @@ static struct pair_law swap_law(struct pair_law law)
     return law;
 }
 
-#define SWAP(field)                                                                                                    \
-    do {                                                                                                               \
-        double swap_kept = v.field##_i;                                                                                \
-        v.field##_i = v.field##_j;                                                                                     \
-        v.field##_j = swap_kept;                                                                                       \
+#define SWAP(field)                                                                                          \
+    do {                                                                                                     \
+        double swap_kept = v.field##_i;                                                                      \
+        v.field##_i = v.field##_j;                                                                           \
+        v.field##_j = swap_kept;                                                                             \
     } while (0)
 
-/* The pair as seen from the other element: n and t turn round with the relative velocity, so vn and vt stay. */
+/* The pair as seen from the other element: n and t turn round with the relative velocity, so vn and vt stay.
+ */
 static struct pair_view swap_view(struct pair_view v)
 {
     SWAP(radius);
@@ -129,14 +147,26 @@ TEST(exchange_changes_signs_alone)
         law.t0_mean = 300.0;
         law.conduction = 0.1;
         double ri = 0.015 + 0.01 * uniform(), rj = 0.015 + 0.01 * uniform();
-        struct pair_view view = {.r = (ri + rj) * (0.85 + 0.5 * uniform()), .radius_i = ri, .radius_j = rj,
-                                 .vn = 0.1 * (uniform() - 0.5), .vt = 0.1 * (uniform() - 0.5), .w_i = uniform() - 0.5,
-                                 .w_j = uniform() - 0.5, .mass_i = 0.01 * (1.0 + uniform()),
-                                 .mass_j = 0.01 * (1.0 + uniform()), .soft_i = uniform(), .soft_j = uniform(),
-                                 .t_i = 300.0 + 500.0 * uniform(), .t_j = 300.0 + 500.0 * uniform(), .p_i = uniform(),
+        struct pair_view view = {.r = (ri + rj) * (0.85 + 0.5 * uniform()),
+                                 .radius_i = ri,
+                                 .radius_j = rj,
+                                 .vn = 0.1 * (uniform() - 0.5),
+                                 .vt = 0.1 * (uniform() - 0.5),
+                                 .w_i = uniform() - 0.5,
+                                 .w_j = uniform() - 0.5,
+                                 .mass_i = 0.01 * (1.0 + uniform()),
+                                 .mass_j = 0.01 * (1.0 + uniform()),
+                                 .soft_i = uniform(),
+                                 .soft_j = uniform(),
+                                 .t_i = 300.0 + 500.0 * uniform(),
+                                 .t_j = 300.0 + 500.0 * uniform(),
+                                 .p_i = uniform(),
                                  .p_j = uniform()};
         view.over_r = 1.0 / view.r;
-        struct pair_state s = {.linked = uniform() < 0.6, .stretch = 0.0, .spring = 0.004 * (uniform() - 0.5)}, start;
+        struct pair_state s = {.linked = uniform() < 0.6,
+                               .stretch = 0.0,
+                               .spring = 0.004 * (uniform() - 0.5)},
+                          start;
         if (s.linked && uniform() < 0.5)
             s.stretch = 0.1 * r0 * uniform();
         start = s;
@@ -173,8 +203,8 @@ TEST(exchange_changes_signs_alone)
     CHECK(yielded > 1000 && slid > 1000 && broken > 300 && formed > 300);
 }
 
-/* A bond drawn out beyond its strength holds the cap, keeps the stretch when it is let go, and the work done on it is
- * what it stores and what it frees as heat. */
+/* A bond drawn out beyond its strength holds the cap, keeps the stretch when it is let go, and the work done
+ * on it is what it stores and what it frees as heat. */
 TEST(tension_yield_is_a_return_map)
 {
     for (int p = 0; p < 3; p++) {
@@ -188,8 +218,14 @@ TEST(tension_yield_is_a_return_map)
         int steps = 40000;
         for (int k = 0; k <= 2 * steps; k++) { /* out by 10 %, and in by 3 % */
             double x = k <= steps ? (double)k / steps : 2.3 - 1.3 * (double)k / steps;
-            struct pair_view v = {.r = r0 * (1.0 + 0.1 * x), .over_r = 1.0 / (r0 * (1.0 + 0.1 * x)), .radius_i = 0.5 * r0, .radius_j = 0.5 * r0, .mass_i = 1.0,
-                                  .mass_j = 1.0, .soft_i = 0.8, .soft_j = 0.9};
+            struct pair_view v = {.r = r0 * (1.0 + 0.1 * x),
+                                  .over_r = 1.0 / (r0 * (1.0 + 0.1 * x)),
+                                  .radius_i = 0.5 * r0,
+                                  .radius_j = 0.5 * r0,
+                                  .mass_i = 1.0,
+                                  .mass_j = 1.0,
+                                  .soft_i = 0.8,
+                                  .soft_j = 0.9};
             pair_interact(&law, &v, 1.0, 1.0, &s, &e);
             if (k > 0)
                 work -= 0.5 * (before + e.fn) * (k <= steps ? 0.1 * r0 / steps : -0.13 * r0 / steps);
@@ -210,13 +246,34 @@ TEST(tension_yield_is_a_return_map)
 TEST(damping_follows_pressure_and_temperature)
 {
     static const double zeta = 0.1, k = 2.0, m_i = 0.3, m_j = 0.6, a_p = 0.7, a_t = 1e-3;
-    struct pair_law law = {.potential = POTENTIAL_QUADRATIC, .scope = SCOPE_LINKED, .near = true, .k = k,
-                           .cn = zeta * 2.0 * sqrt(k), .cn_mass = -1.0, .ct_mass = -1.0, .a_p = a_p, .a_t = a_t,
-                           .t0_mean = 300.0, .yield_i = INFINITY, .yield_j = INFINITY, .tensile_i = INFINITY,
-                           .tensile_j = INFINITY, .link_break = 1.05};
-    struct pair_view v = {.r = r0, .over_r = 1.0 / r0, .radius_i = 0.5 * r0, .radius_j = 0.5 * r0, .vn = -0.02,
-                          .mass_i = m_i, .mass_j = m_j, .soft_i = 1.0, .soft_j = 1.0, .t_i = 500.0, .t_j = 600.0,
-                          .p_i = 0.1, .p_j = 0.3};
+    struct pair_law law = {.potential = POTENTIAL_QUADRATIC,
+                           .scope = SCOPE_LINKED,
+                           .near = true,
+                           .k = k,
+                           .cn = zeta * 2.0 * sqrt(k),
+                           .cn_mass = -1.0,
+                           .ct_mass = -1.0,
+                           .a_p = a_p,
+                           .a_t = a_t,
+                           .t0_mean = 300.0,
+                           .yield_i = INFINITY,
+                           .yield_j = INFINITY,
+                           .tensile_i = INFINITY,
+                           .tensile_j = INFINITY,
+                           .link_break = 1.05};
+    struct pair_view v = {.r = r0,
+                          .over_r = 1.0 / r0,
+                          .radius_i = 0.5 * r0,
+                          .radius_j = 0.5 * r0,
+                          .vn = -0.02,
+                          .mass_i = m_i,
+                          .mass_j = m_j,
+                          .soft_i = 1.0,
+                          .soft_j = 1.0,
+                          .t_i = 500.0,
+                          .t_j = 600.0,
+                          .p_i = 0.1,
+                          .p_j = 0.3};
     struct pair_state s = {.linked = true};
     struct pair_effect e;
     double plain = zeta * 2.0 * sqrt(k * (m_i * m_j / (m_i + m_j)));
@@ -238,21 +295,41 @@ TEST(damping_follows_pressure_and_temperature)
 /* Q = kappa (A/r)(T_j - T_i) dt, A = r0/sqrt(3), in a link and in a contact; none without either. */
 TEST(conduction_is_fouriers)
 {
-    struct pair_law law = {.potential = POTENTIAL_QUADRATIC, .scope = SCOPE_LINKED, .near = true, .k = 2.0,
-                           .cn_mass = -1.0, .ct_mass = -1.0, .yield_i = INFINITY, .yield_j = INFINITY,
-                           .tensile_i = INFINITY, .tensile_j = INFINITY, .link_break = 1.05, .conduction = 3e-11};
+    struct pair_law law = {.potential = POTENTIAL_QUADRATIC,
+                           .scope = SCOPE_LINKED,
+                           .near = true,
+                           .k = 2.0,
+                           .cn_mass = -1.0,
+                           .ct_mass = -1.0,
+                           .yield_i = INFINITY,
+                           .yield_j = INFINITY,
+                           .tensile_i = INFINITY,
+                           .tensile_j = INFINITY,
+                           .link_break = 1.05,
+                           .conduction = 3e-11};
     for (int linked = 0; linked < 2; linked++) {
         for (int apart = 0; apart < 2; apart++) {
             double r = r0 * (apart ? 1.02 : 0.99);
-            struct pair_view v = {.r = r, .over_r = 1.0 / r, .radius_i = 0.5 * r0, .radius_j = 0.5 * r0, .mass_i = 1.0,
-                                  .mass_j = 1.0, .soft_i = 1.0, .soft_j = 1.0, .t_i = 300.0, .t_j = 700.0};
+            struct pair_view v = {.r = r,
+                                  .over_r = 1.0 / r,
+                                  .radius_i = 0.5 * r0,
+                                  .radius_j = 0.5 * r0,
+                                  .mass_i = 1.0,
+                                  .mass_j = 1.0,
+                                  .soft_i = 1.0,
+                                  .soft_j = 1.0,
+                                  .t_i = 300.0,
+                                  .t_j = 700.0};
             struct pair_state s = {.linked = linked};
             struct pair_effect e;
             pair_interact(&law, &v, 0.5, 1.0, &s, &e);
-            CHECK_NEAR(e.exchange, linked || !apart ? 3e-11 * (r0 / sqrt(3.0) / r) * 400.0 * 0.5 : 0.0, 1e-22);
+            CHECK_NEAR(e.exchange, linked || !apart ? 3e-11 * (r0 / sqrt(3.0) / r) * 400.0 * 0.5 : 0.0,
+                       1e-22);
         }
     }
 }
 
-TEST_MAIN(CASE(damping_follows_pressure_and_temperature), CASE(conduction_is_fouriers), CASE(potentials_have_their_closed_forms), CASE(force_is_the_slope_of_the_energy), CASE(stiffness_at_contact),
-          CASE(yield_lengths_carry_the_cap), CASE(exchange_changes_signs_alone), CASE(tension_yield_is_a_return_map))
+TEST_MAIN(CASE(damping_follows_pressure_and_temperature), CASE(conduction_is_fouriers),
+          CASE(potentials_have_their_closed_forms), CASE(force_is_the_slope_of_the_energy),
+          CASE(stiffness_at_contact), CASE(yield_lengths_carry_the_cap), CASE(exchange_changes_signs_alone),
+          CASE(tension_yield_is_a_return_map))

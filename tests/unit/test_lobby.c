@@ -1,4 +1,5 @@
-/* The lobby of a server, in this process: who is let in, what a busy and a free one say, and who makes room when it is full. */
+/* The lobby of a server, in this process: who is let in, what a busy and a free one say, and who makes room
+ * when it is full. */
 #include "check.h"
 
 #include <fcntl.h>
@@ -110,8 +111,8 @@ static struct report_message report(struct channel *ch)
     return m;
 }
 
-/* A client that has come before somebody asks is served before he is answered: no server says that it is free while one
- * waits. */
+/* A client that has come before somebody asks is served before he is answered: no server says that it is free
+ * while one waits. */
 TEST(a_server_with_a_client_at_hand_is_not_free)
 {
     const struct server_options options = options_with(NULL);
@@ -136,8 +137,8 @@ TEST(a_server_with_a_client_at_hand_is_not_free)
     lobby_close(&l);
 }
 
-/* Strangers who know how to begin wait for nothing: each is asked for the key, also while the server is busy, and only who has
- * it has a place in the queue. Its channel has the session's keys when its turn comes. */
+/* Strangers who know how to begin wait for nothing: each is asked for the key, also while the server is busy,
+ * and only who has it has a place in the queue. Its channel has the session's keys when its turn comes. */
 TEST(who_waits_has_proved_the_key)
 {
     const struct server_options options = options_with(&KEY);
@@ -181,8 +182,8 @@ TEST(who_waits_has_proved_the_key)
     lobby_close(&l);
 }
 
-/* As many as find room begin well and say no more; a friend who comes then is let in all the same once they have had their
- * second, and so is one behind him. Who has proved the key keeps his place. */
+/* As many as find room begin well and say no more; a friend who comes then is let in all the same once they
+ * have had their second, and so is one behind him. Who has proved the key keeps his place. */
 TEST(a_full_lobby_makes_room)
 {
     const unsigned char nonce[AUTH_NONCE] = {9};

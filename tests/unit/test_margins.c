@@ -7,18 +7,21 @@ static const char crowd[] =
     "time { dt = 0.02; steps = 1000 }\n"
     "material Ni { rho0 = 8.9; c0 = 0.46; s = 1.4; shear = 0.76; yield = 0.005; tensile = 0.02 }\n"
     "interaction { zeta = 0.2; ct_ratio = 0.05; mu = 0.2 }\n"
-    "body left { shape = rectangle 0.2 0.2 0.8 0.7; spacing = 0.04; material = Ni; velocity = 0.05 0.01; jitter = 0.02 }\n"
-    "body right { shape = rectangle 1.1 0.4 1.7 0.9; spacing = 0.04; material = Ni; velocity = -0.05 0; jitter = 0.02 }\n"
-    "body cloud { shape = rectangle 1.8 0.1 2.3 1.1; spacing = 0.07; radius = 0.016; material = Ni; velocity = 0.03 0;\n"
+    "body left { shape = rectangle 0.2 0.2 0.8 0.7; spacing = 0.04; material = Ni; velocity = 0.05 0.01; "
+    "jitter = 0.02 }\n"
+    "body right { shape = rectangle 1.1 0.4 1.7 0.9; spacing = 0.04; material = Ni; velocity = -0.05 0; "
+    "jitter = 0.02 }\n"
+    "body cloud { shape = rectangle 1.8 0.1 2.3 1.1; spacing = 0.07; radius = 0.016; material = Ni; velocity "
+    "= 0.03 0;\n"
     "  jitter = 0.08 }\n";
 
 /* A solid flies towards another. */
-#define FLYER(other)                                                                                              \
-    "domain { size = 6 1.2; r_c = 0.12; delta_r = 0.01 }\n"                                                       \
-    "time { dt = 0.02; steps = 1000 }\n"                                                                          \
-    "material Ni { rho0 = 8.9; c0 = 0.46; s = 1.4; shear = 0.76; yield = 0.005 }\n"                               \
-    "interaction { zeta = 0.2; ct_ratio = 0.05; mu = 0.2 }\n"                                                     \
-    "body one { shape = rectangle 0.2 0.2 1.8 1; spacing = 0.04; material = Ni; velocity = 0.06 0 }\n"            \
+#define FLYER(other)                                                                                         \
+    "domain { size = 6 1.2; r_c = 0.12; delta_r = 0.01 }\n"                                                  \
+    "time { dt = 0.02; steps = 1000 }\n"                                                                     \
+    "material Ni { rho0 = 8.9; c0 = 0.46; s = 1.4; shear = 0.76; yield = 0.005 }\n"                          \
+    "interaction { zeta = 0.2; ct_ratio = 0.05; mu = 0.2 }\n"                                                \
+    "body one { shape = rectangle 0.2 0.2 1.8 1; spacing = 0.04; material = Ni; velocity = 0.06 0 }\n"       \
     "body other { shape = rectangle " other "; spacing = 0.04; material = Ni }\n"
 
 /* It meets the other near the end; it never comes near it. */
@@ -26,9 +29,11 @@ static const char flyer[] = FLYER("2.1 0.2 3.7 1"), passenger[] = FLYER("2.5 0.2
 
 enum { STEPS = 240 };
 
-/* The state after STEPS with these margins, or with those of the model where there are none; how many rebuilds it took. Of no
- * elements where a step failed, as it may when two meet unseen: the energy of the meeting is then out of the sums' range. */
-static struct engine_state run(const char *deck, int ranks, const struct margins *margins, int64_t every, size_t *rebuilds)
+/* The state after STEPS with these margins, or with those of the model where there are none; how many
+ * rebuilds it took. Of no elements where a step failed, as it may when two meet unseen: the energy of the
+ * meeting is then out of the sums' range. */
+static struct engine_state run(const char *deck, int ranks, const struct margins *margins, int64_t every,
+                               size_t *rebuilds)
 {
     struct engine g;
     engine_start(&g, deck, NULL, ranks);
@@ -63,7 +68,8 @@ TEST(no_contact_is_missed)
 {
     for (int ranks = 1; ranks <= 5; ranks += 2) {
         size_t always, seldom;
-        struct engine_state want = run(crowd, ranks, NULL, 1, &always), got = run(crowd, ranks, NULL, 0, &seldom);
+        struct engine_state want = run(crowd, ranks, NULL, 1, &always),
+                            got = run(crowd, ranks, NULL, 0, &seldom);
         CHECK_EQ_INT(always, STEPS);
         CHECK_REPORT(seldom > 4 && seldom < STEPS / 3, "%zu rebuilds", seldom);
         CHECK(want.n > 500);
@@ -73,15 +79,16 @@ TEST(no_contact_is_missed)
     }
 }
 
-/* The test above would notice: in the crowd contacts are missed when close ones may approach too much, the two solids miss each
- * other when any two may. */
+/* The test above would notice: in the crowd contacts are missed when close ones may approach too much, the
+ * two solids miss each other when any two may. */
 TEST(either_margin_is_needed)
 {
     const char *const decks[] = {crowd, flyer};
     const struct margins margins[] = {{.close = 0.08, .wide = 0.09}, {.close = 0.024, .wide = 1.0}};
     for (size_t k = 0; k < 2; k++) {
         size_t count;
-        struct engine_state want = run(decks[k], 1, NULL, 1, &count), got = run(decks[k], 1, &margins[k], 0, &count);
+        struct engine_state want = run(decks[k], 1, NULL, 1, &count),
+                            got = run(decks[k], 1, &margins[k], 0, &count);
         CHECK_REPORT(!same(&got, &want), "deck %zu: nothing is missed, with %zu rebuilds", k, count);
         engine_state_free(&got);
         engine_state_free(&want);
@@ -93,14 +100,15 @@ TEST(the_margins_follow_from_the_deck)
     struct engine g;
     engine_start(&g, crowd, NULL, 1);
     struct margins of = model_margins(g.model);
-    CHECK_NEAR(of.close, 0.6 * 0.04, 1e-12);        /* more than dR */
-    CHECK_NEAR(of.wide, 0.13 - 0.04, 1e-12);        /* R_c + dR less contact */
+    CHECK_NEAR(of.close, 0.6 * 0.04, 1e-12); /* more than dR */
+    CHECK_NEAR(of.wide, 0.13 - 0.04, 1e-12); /* R_c + dR less contact */
     engine_stop(&g);
     engine_start(&g,
                  "domain { size = 20 20; r_c = 2.5; delta_r = 0.25 }\n"
                  "time { dt = 0.005; steps = 10 }\n"
                  "material atom { mass = 1 }\n"
-                 "interaction { potential = lennard-jones; scope = all; epsilon = 1; sigma = 0.9; cutoff = 2.5; linked = no }\n"
+                 "interaction { potential = lennard-jones; scope = all; epsilon = 1; sigma = 0.9; cutoff = "
+                 "2.5; linked = no }\n"
                  "body block { shape = rectangle 0 0 20 20; spacing = 1; material = atom }\n",
                  NULL, 1);
     of = model_margins(g.model);
@@ -109,17 +117,19 @@ TEST(the_margins_follow_from_the_deck)
     engine_stop(&g);
 }
 
-/* Two blocks on either side of the cut, each of them at rest within its own part: only the mirrored elements, which a survey
- * sees as they were a step ago, tell that they approach. */
+/* Two blocks on either side of the cut, each of them at rest within its own part: only the mirrored elements,
+ * which a survey sees as they were a step ago, tell that they approach. */
 TEST(a_survey_sees_what_comes_from_another_part)
 {
     struct engine g;
-    engine_start(&g,
-                 "domain { size = 2.4 1.2; r_c = 0.12; delta_r = 0.01 }\ntime { dt = 0.02; steps = 10 }\n"
-                 "material Ni { rho0 = 8.9; c0 = 0.46; s = 1.4 }\n"
-                 "body one { shape = rectangle 1.02 0.2 1.14 1; spacing = 0.04; material = Ni; velocity = 0.05 0 }\n"
-                 "body other { shape = rectangle 1.26 0.2 1.38 1; spacing = 0.04; material = Ni; velocity = -0.05 0 }\n",
-                 NULL, 2);
+    engine_start(
+        &g,
+        "domain { size = 2.4 1.2; r_c = 0.12; delta_r = 0.01 }\ntime { dt = 0.02; steps = 10 }\n"
+        "material Ni { rho0 = 8.9; c0 = 0.46; s = 1.4 }\n"
+        "body one { shape = rectangle 1.02 0.2 1.14 1; spacing = 0.04; material = Ni; velocity = 0.05 0 }\n"
+        "body other { shape = rectangle 1.26 0.2 1.38 1; spacing = 0.04; material = Ni; velocity = -0.05 0 "
+        "}\n",
+        NULL, 2);
     const double each = 0.05 * 0.02;
     for (int k = 1; k <= 4; k++) {
         engine_must(&g, engine_forces(&g, false));
@@ -143,14 +153,15 @@ TEST(bodies_that_move_as_wholes_rebuild_seldom)
     for (int ranks = 1; ranks <= 4; ranks += 3) {
         const struct margins narrow = {.close = 0.024, .wide = 0.024};
         size_t wide, without;
-        struct engine_state got = run(passenger, ranks, NULL, 0, &wide), want = run(passenger, ranks, &narrow, 0, &without);
+        struct engine_state got = run(passenger, ranks, NULL, 0, &wide),
+                            want = run(passenger, ranks, &narrow, 0, &without);
         engine_check_same(&got, &want, "wide and narrow margins");
-        CHECK_REPORT(wide == 3 && without == 12, "%zu rebuilds, %zu with a narrow margin for all", wide, without);
+        CHECK_REPORT(wide == 3 && without == 12, "%zu rebuilds, %zu with a narrow margin for all", wide,
+                     without);
         engine_state_free(&got);
         engine_state_free(&want);
     }
 }
 
 TEST_MAIN(CASE(no_contact_is_missed), CASE(either_margin_is_needed), CASE(the_margins_follow_from_the_deck),
-          CASE(a_survey_sees_what_comes_from_another_part),
-          CASE(bodies_that_move_as_wholes_rebuild_seldom))
+          CASE(a_survey_sees_what_comes_from_another_part), CASE(bodies_that_move_as_wholes_rebuild_seldom))

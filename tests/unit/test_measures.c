@@ -1,13 +1,15 @@
 /* Measuring four pairs at a time gives the bits of the plain loop. */
 #include "engine_help.h"
 
-/* A sheet of atoms; SPECIES is one material, which lanes can do, or a mix of two that are alike, which they cannot. */
-static const char sheet[] =
-    "domain { size = 24 24; r_c = 2.5; delta_r = 0.25; boundary = SIDES }\n"
-    "time { dt = 0.005; steps = 100 }\n"
-    "material a { mass = 1 }\n"
-    "interaction { potential = lennard-jones; scope = all; epsilon = 1; sigma = 0.9; cutoff = 2.5; linked = no }\n"
-    "body block { shape = rectangle 0 0 24 24; spacing = 1; origin = 0.25 0.3; SPECIES; jitter = 0.8; seed = 3 }\n";
+/* A sheet of atoms; SPECIES is one material, which lanes can do, or a mix of two that are alike, which they
+ * cannot. */
+static const char sheet[] = "domain { size = 24 24; r_c = 2.5; delta_r = 0.25; boundary = SIDES }\n"
+                            "time { dt = 0.005; steps = 100 }\n"
+                            "material a { mass = 1 }\n"
+                            "interaction { potential = lennard-jones; scope = all; epsilon = 1; sigma = 0.9; "
+                            "cutoff = 2.5; linked = no }\n"
+                            "body block { shape = rectangle 0 0 24 24; spacing = 1; origin = 0.25 0.3; "
+                            "SPECIES; jitter = 0.8; seed = 3 }\n";
 
 static void start(struct engine *g, const char *sides, const char *species, const char *more, int ranks)
 {

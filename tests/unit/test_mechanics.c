@@ -1,12 +1,12 @@
-/* Mechanics against closed forms and against the plainest integration of the same equations: two discs that collide
- * obliquely, a sliding block, sheets in shear and tension, stress of a strained lattice, moving and mirrored frames. */
+/* Mechanics against closed forms and against the plainest integration of the same equations: two discs that
+ * collide obliquely, a sliding block, sheets in shear and tension, stress of a strained lattice, moving and
+ * mirrored frames. */
 #include "engine_help.h"
 
 #include "engine/lists.h"
 #include "engine/tables.h"
 
-
-/* --- two discs ---------------------------------------------------------------------------------------------------- */
+/* --- two discs --- */
 
 /* Units of the disc: radius 1/2, mass 1, stiffness 1000: a contact lasts pi/sqrt(2000) = 0.0702. */
 static const char discs_deck[] =
@@ -14,7 +14,8 @@ static const char discs_deck[] =
     "domain { size = 4 4; r_c = 1.1; delta_r = 0.1 }\n"
     "time { dt = dt; steps = 1 }\n"
     "material M { mass = 1 }\n"
-    "interaction { potential = quadratic; k = stiff; kt_ratio = kt; mu = mu; zeta = zeta; ct_ratio = ct; linked = no }\n"
+    "interaction { potential = quadratic; k = stiff; kt_ratio = kt; mu = mu; zeta = zeta; ct_ratio = ct; "
+    "linked = no }\n"
     "body a { shape = rectangle 0 0 0.5 0.5; spacing = 1; origin = 0.2 0.2; material = M }\n";
 
 struct disc {
@@ -44,8 +45,12 @@ static double collide_engine(const char *const *defines, struct disc d[2], doubl
     double first = 0.0, worst = 0.0;
     engine_load(&g, discs_deck, defines, 1);
     for (int i = 0; i < 2; i++)
-        e[i] = (struct element){.id = (uint32_t)i, .radius = 0.5, .mass = 1.0, .r = {d[i].r[0], d[i].r[1]},
-                                .v = {d[i].v[0], d[i].v[1]}, .w = d[i].w};
+        e[i] = (struct element){.id = (uint32_t)i,
+                                .radius = 0.5,
+                                .mass = 1.0,
+                                .r = {d[i].r[0], d[i].r[1]},
+                                .v = {d[i].v[0], d[i].v[1]},
+                                .w = d[i].w};
     struct engine_state s = {.e = e, .n = 2};
     engine_restore(&g, 0, &s);
     int64_t steps = (int64_t)(time / g.deck.config.dt + 0.5);
@@ -58,14 +63,17 @@ static double collide_engine(const char *const *defines, struct disc d[2], doubl
     }
     struct engine_state end = engine_collect(&g, false);
     for (int i = 0; i < 2; i++)
-        d[i] = (struct disc){.r = {end.e[i].r[0], end.e[i].r[1]}, .v = {end.e[i].v[0], end.e[i].v[1]}, .w = end.e[i].w};
+        d[i] = (struct disc){
+            .r = {end.e[i].r[0], end.e[i].r[1]}, .v = {end.e[i].v[0], end.e[i].v[1]}, .w = end.e[i].w};
     engine_state_free(&end);
     engine_stop(&g);
     return worst;
 }
 
-/* The same equations written out, x and v in turn with a step of 1/1000: spring and dashpot in n and t, Coulomb. */
-static void collide_plain(struct disc d[2], double time, double kt_ratio, double mu, double zeta, double ct_ratio)
+/* The same equations written out, x and v in turn with a step of 1/1000: spring and dashpot in n and t,
+ * Coulomb. */
+static void collide_plain(struct disc d[2], double time, double kt_ratio, double mu, double zeta,
+                          double ct_ratio)
 {
     double dt = 0.0005 / 1000.0, k = 1000.0, kt = kt_ratio * k, spring = 0.0;
     double cn = zeta * 2.0 * sqrt(k * 0.5), ct = ct_ratio * 2.0 * sqrt(k * 0.5);
@@ -120,7 +128,8 @@ TEST(oblique_collision_against_a_thousandth_of_the_step)
     }
 }
 
-/* Impulses along n and t on the first disc, and the relative velocity of the touching points along t, before and after. */
+/* Impulses along n and t on the first disc, and the relative velocity of the touching points along t, before
+ * and after. */
 static void impulses(const char *const *defines, double angle, double out[4])
 {
     struct disc d[2], start[2];
@@ -144,7 +153,7 @@ TEST(rigid_disc_limits_of_a_collision)
     printf("gross sliding: tangential over normal impulse %.5f, mu 0.1\n", j[1] / j[0]);
     CHECK_NEAR_REL(fabs(j[1] / j[0]), 0.1, 0.02);
     CHECK_NEAR_REL(-j[0], cos(1.2), 0.05); /* equal masses exchange their normal velocities */
-    impulses(sticking, 0.05, j); /* half a tangential period fits twice: the points end at rest */
+    impulses(sticking, 0.05, j);           /* half a tangential period fits twice: the points end at rest */
     printf("sticking: the points slide at %.5f of the speed before\n", j[3] / j[2]);
     CHECK_NEAR(j[3] / j[2], 0.0, 0.02);
     impulses(bouncing, 0.05, j); /* equal periods: they turn round */
@@ -152,7 +161,7 @@ TEST(rigid_disc_limits_of_a_collision)
     CHECK_NEAR(j[3] / j[2], -1.0, 0.02);
 }
 
-/* --- a block that slides ------------------------------------------------------------------------------------------ */
+/* --- a block that slides --- */
 
 /* Three linked discs on one fixed disc, so large that it is flat. */
 static const char block_deck[] =
@@ -161,7 +170,8 @@ static const char block_deck[] =
     "material M { mass = 1 }\n"
     "interaction { potential = quadratic; k = 400; kt_ratio = 0.3; mu = 0.2; zeta = 0.2; ct_ratio = 0.05 }\n"
     "body block { shape = rectangle 0 0 0.5 0.5; spacing = 1; origin = 0.2 0.2; material = M }\n"
-    "body floor { shape = rectangle 2000 0 3000 600; spacing = 2000; origin = 2500 500; radius = 1000; material = M\n"
+    "body floor { shape = rectangle 2000 0 3000 600; spacing = 2000; origin = 2500 500; radius = 1000; "
+    "material = M\n"
     "             motion = fixed }\n";
 
 TEST(sliding_block_stops_where_friction_says)
@@ -173,8 +183,15 @@ TEST(sliding_block_stops_where_friction_says)
         {.id = 0, .radius = 0.5, .mass = 1, .r = {2498.7, top + 0.5 - 0.004}, .v = {v, 0}},
         {.id = 1, .radius = 0.5, .mass = 1, .r = {2499.7, top + 0.5 - 0.004}, .v = {v, 0}},
         {.id = 2, .radius = 0.5, .mass = 1, .r = {2499.2, top + 0.5 - 0.004 + h}, .v = {v, 0}},
-        {.id = 3, .body = 1, .grain = 1, .radius = 1000, .mass = 1, .r = {2500, floor_y}, .flags = ELEMENT_FIXED_MOTION}};
-    struct pair_record links[3] = {{.id_a = 0, .id_b = 1, .linked = 1}, {.id_a = 0, .id_b = 2, .linked = 1},
+        {.id = 3,
+         .body = 1,
+         .grain = 1,
+         .radius = 1000,
+         .mass = 1,
+         .r = {2500, floor_y},
+         .flags = ELEMENT_FIXED_MOTION}};
+    struct pair_record links[3] = {{.id_a = 0, .id_b = 1, .linked = 1},
+                                   {.id_a = 0, .id_b = 2, .linked = 1},
                                    {.id_a = 1, .id_b = 2, .linked = 1}};
     struct engine_state s = {.e = e, .n = 4, .pair = links, .n_pairs = 3}, end;
     engine_restore(&g, 0, &s);
@@ -185,15 +202,15 @@ TEST(sliding_block_stops_where_friction_says)
         path += (end.e[i].r[0] - e[i].r[0]) / 3.0;
         speed = fmax(speed, fabs(end.e[i].v[0]));
     }
-    printf("block: stopped after %.5f, v^2/(2 mu g) = %.5f; then slower than %.2g\n", path, v * v / (2.0 * mu * gravity),
-           speed);
+    printf("block: stopped after %.5f, v^2/(2 mu g) = %.5f; then slower than %.2g\n", path,
+           v * v / (2.0 * mu * gravity), speed);
     CHECK_NEAR_REL(path, v * v / (2.0 * mu * gravity), 0.01);
     CHECK(speed < 0.01);
     engine_state_free(&end);
     engine_stop(&g);
 }
 
-/* --- sheets ------------------------------------------------------------------------------------------------------- */
+/* --- sheets --- */
 
 #define NICKEL "rho0 = 8.874; c0 = 0.4602; s = 1.437; shear = 0.855"
 
@@ -203,11 +220,12 @@ static const char strained_deck[] =
     "time { dt = 0.01; steps = 1 }\n"
     "material Ni { " NICKEL " }\n"
     "interaction { potential = morse; link_break = 1.4 }\n"
-    "body sheet { shape = rectangle 0 0 width height; spacing = d; origin = d/4 sqrt(3)/4*d; material = Ni }\n";
+    "body sheet { shape = rectangle 0 0 width height; spacing = d; origin = d/4 sqrt(3)/4*d; material = Ni "
+    "}\n";
 
-/* The sum over the lattice: sigma = -(1/V) sum over the three bonds of r (x) f, symmetric part, of an element whose
- * neighbours lie at F times the corners of a hexagon, F = (1 shear; 0 stretch); spring: of the bonds along the rows, and of
- * those at 60 and 120 degrees to them. */
+/* The sum over the lattice: sigma = -(1/V) sum over the three bonds of r (x) f, symmetric part, of an element
+ * whose neighbours lie at F times the corners of a hexagon, F = (1 shear; 0 stretch); spring: of the bonds
+ * along the rows, and of those at 60 and 120 degrees to them. */
 static void lattice_stress(const struct pair_law *law, double stretch, double shear, const double spring[3],
                            double sigma[3])
 {
@@ -231,14 +249,18 @@ static int bond_direction(const struct element *a, const struct element *b)
     return fabs(y) < 0.01 ? 0 : x * y > 0.0 ? 1 : 2;
 }
 
-/* The measure against the sum over the lattice, and without springs also against the force that crosses a cut, over its
- * length. */
+/* The measure against the sum over the lattice, and without springs also against the force that crosses a
+ * cut, over its length. */
 TEST(stress_of_a_strained_lattice_is_the_applied_one)
 {
     static const struct {
         double stretch, shear, spring[3];
-    } cases[] = {{1.0, 0.0, {0.0}},   {1.05, 0.0, {0.0}}, {0.8, 0.0, {0.0}},
-                 {1.0, 0.03, {0.0}},  {0.93, -0.05, {0.0}}, {1.1, 0.02, {0.0}},
+    } cases[] = {{1.0, 0.0, {0.0}},
+                 {1.05, 0.0, {0.0}},
+                 {0.8, 0.0, {0.0}},
+                 {1.0, 0.03, {0.0}},
+                 {0.93, -0.05, {0.0}},
+                 {1.1, 0.02, {0.0}},
                  {0.97, 0.01, {3e-4, -2e-4, 5e-4}}};
     struct engine g;
     engine_start(&g, strained_deck, NULL, 1);
@@ -246,7 +268,8 @@ TEST(stress_of_a_strained_lattice_is_the_applied_one)
     struct engine_state start = engine_collect(&g, false);
     for (int k = 0; k < 7; k++) {
         struct engine_state s = {.n = start.n, .n_pairs = start.n_pairs};
-        double stretch = cases[k].stretch, shear = cases[k].shear, width = 0.4, force[2] = {0.0, 0.0}, cut, u, sigma[3];
+        double stretch = cases[k].stretch, shear = cases[k].shear, width = 0.4, force[2] = {0.0, 0.0}, cut, u,
+               sigma[3];
         lattice_stress(law, stretch, shear, cases[k].spring, sigma);
         s.e = calloc(s.n, sizeof *s.e);
         s.pair = calloc(s.n_pairs, sizeof *s.pair);
@@ -259,10 +282,12 @@ TEST(stress_of_a_strained_lattice_is_the_applied_one)
         for (size_t p = 0; p < s.n_pairs; p++) { /* on what is above, from what is below */
             const struct element *a = &s.e[start.pair[p].id_a], *b = &s.e[start.pair[p].id_b];
             s.pair[p] = start.pair[p];
-            s.pair[p].spring = cases[k].spring[bond_direction(&start.e[s.pair[p].id_a], &start.e[s.pair[p].id_b])];
+            s.pair[p].spring =
+                cases[k].spring[bond_direction(&start.e[s.pair[p].id_a], &start.e[s.pair[p].id_b])];
             if ((a->r[1] < cut) == (b->r[1] < cut))
                 continue;
-            double x = lists_wrap(a->r[0] - b->r[0], width, 0.5 * width), y = a->r[1] - b->r[1], r = sqrt(x * x + y * y);
+            double x = lists_wrap(a->r[0] - b->r[0], width, 0.5 * width), y = a->r[1] - b->r[1],
+                   r = sqrt(x * x + y * y);
             double f = potential_force(law, r, 0.04, &u) * (y > 0.0 ? 1.0 : -1.0);
             force[0] += f * x / r;
             force[1] += f * y / r;
@@ -291,23 +316,26 @@ TEST(stress_of_a_strained_lattice_is_the_applied_one)
 
 /* Between a fixed and a driven row: sheared there and back, or drawn out. */
 static const char loaded_deck[] =
-    "let d = 0.04; let row = sqrt(3)/2*d; let width = 6*d; let vx = 0; let vy = 0; let y = 0.0014; let yt = 1; let tm = 1e6\n"
+    "let d = 0.04; let row = sqrt(3)/2*d; let width = 6*d; let vx = 0; let vy = 0; let y = 0.0014; let yt = "
+    "1; let tm = 1e6\n"
     "let t = 300; let cp = 4.4e-6\n"
     "domain { size = width 12*row; boundary = periodic free; r_c = 1.2*d; delta_r = 0.1*d }\n"
     "time { dt = 0.02; steps = 1 }\n"
     "material Ni { " NICKEL "; yield = y; tensile = yt; cp = cp; tm = tm }\n"
     "interaction { potential = morse; zeta = 0.3; ct_ratio = 0.05; link_break = 1.06 }\n"
     "interface body { linked = yes }\n"
-    "body low { shape = rectangle 0 0 width row; spacing = d; origin = d/4 row/2; material = Ni; motion = fixed\n"
+    "body low { shape = rectangle 0 0 width row; spacing = d; origin = d/4 row/2; material = Ni; motion = "
+    "fixed\n"
     "           temperature = t }\n"
     "body sheet { shape = rectangle 0 row width 9*row; spacing = d; origin = d/4 row/2; material = Ni\n"
     "             temperature = t }\n"
-    "body high { shape = rectangle 0 9*row width 10*row; spacing = d; origin = d/4 row/2; material = Ni; motion = driven\n"
+    "body high { shape = rectangle 0 9*row width 10*row; spacing = d; origin = d/4 row/2; material = Ni; "
+    "motion = driven\n"
     "            velocity = vx vy; temperature = t }\n";
 
 struct sheet {
-    double stress[3]; /* mean of the sheet's middle rows */
-    double strain[2]; /* of the middle rows, from their mean places: shear, and along y */
+    double stress[3];  /* mean of the sheet's middle rows */
+    double strain[2];  /* of the middle rows, from their mean places: shear, and along y */
     double resistance; /* the springs' part of the shear stress */
     double links;
 };
@@ -335,7 +363,8 @@ static struct sheet look_at_sheet(struct engine *g, const struct engine_state *s
         int at_i = (int)(start->e[i].r[1] / row), at_j = (int)(start->e[j].r[1] / row);
         double share = 0.5 * (at_i >= 3 && at_i <= 6) + 0.5 * (at_j >= 3 && at_j <= 6);
         double x = lists_wrap(s.e[i].r[0] - s.e[j].r[0], 0.24, 0.12), y = s.e[i].r[1] - s.e[j].r[1];
-        out.resistance += share * law->kt_link * s.pair[p].spring * 0.5 * (x * x - y * y) / sqrt(x * x + y * y);
+        out.resistance +=
+            share * law->kt_link * s.pair[p].spring * 0.5 * (x * x - y * y) / sqrt(x * x + y * y);
     }
     out.resistance /= (double)n * (0.5 * sqrt(3.0) * 0.04 * 0.04);
     for (int a = 0; a < 3; a++)
@@ -369,10 +398,10 @@ static struct sheet run_sheet(struct engine *g, const struct engine_state *start
     return out;
 }
 
-/* Elastic with C66; then the bonds along the rows hold Y A, the others half of it (moments balance), and the resistance
- * to shear stays at Y/2, while the lattice's central forces stay elastic with their sqrt(3)/4 kn of C66. Taken back to no
- * stress, the springs have turned round: the strain that remains is that whose central stress they hold. `yield` is Y/2 at
- * the temperature of the sheet. */
+/* Elastic with C66; then the bonds along the rows hold Y A, the others half of it (moments balance), and the
+ * resistance to shear stays at Y/2, while the lattice's central forces stay elastic with their sqrt(3)/4 kn
+ * of C66. Taken back to no stress, the springs have turned round: the strain that remains is that whose
+ * central stress they hold. `yield` is Y/2 at the temperature of the sheet. */
 static void shear_sheet(const char *const *defines, double yield)
 {
     struct engine g;
@@ -411,8 +440,8 @@ TEST(sheet_in_shear)
     shear_sheet(hot, 0.5 * 0.0014 * (1.0 - 700.0 / 1428.0));
 }
 
-/* Drawn out slowly: the stress of the bonds is capped, the plastic work becomes heat, and they break at link_break. `cap` is
- * Yt at the temperature of the sheet. */
+/* Drawn out slowly: the stress of the bonds is capped, the plastic work becomes heat, and they break at
+ * link_break. `cap` is Yt at the temperature of the sheet. */
 static void draw_out(const char *const *defines, double cap)
 {
     struct engine g;
@@ -442,11 +471,14 @@ static void draw_out(const char *const *defines, double cap)
         if (broken < 0 && m.links < start.n_pairs)
             broken = step;
     }
-    /* Bonds at 60 degrees to the rows: sigma = lambda Yt r0/L, L the length that they have; they end at link_break. They
-     * turn while the sheet is drawn out, which their springs resist: Y r0/(sqrt(3) L) more. */
+    /* Bonds at 60 degrees to the rows: sigma = lambda Yt r0/L, L the length that they have; they end at
+     * link_break. They turn while the sheet is drawn out, which their springs resist: Y r0/(sqrt(3) L) more.
+     */
     double stretch = sqrt((1.06 * 1.06 - 0.25) / 0.75), strain = rate * 0.02 * (double)broken;
-    printf("highest stress %.5f Yt (%.5f); first broken link at a strain of %.5f (%.5f); heat %.6g, energy off by %.2g of it\n",
-           peak / cap, (stretch + 0.0014 / 0.02 / sqrt(3.0)) / 1.06, strain, stretch - 1.0, thermal, worst / thermal);
+    printf("highest stress %.5f Yt (%.5f); first broken link at a strain of %.5f (%.5f); heat %.6g, energy "
+           "off by %.2g of it\n",
+           peak / cap, (stretch + 0.0014 / 0.02 / sqrt(3.0)) / 1.06, strain, stretch - 1.0, thermal,
+           worst / thermal);
     CHECK_NEAR_REL(peak, cap * (stretch + 0.0014 / 0.02 / sqrt(3.0)) / 1.06, 0.005);
     CHECK_NEAR_REL(strain, stretch - 1.0, 0.01);
     CHECK_NEAR_REL(thermal, work, 0.01);
@@ -458,24 +490,27 @@ static void draw_out(const char *const *defines, double cap)
 TEST(sheet_in_tension)
 {
     const char *cold[] = {"yt=0.02", NULL};
-    const char *hot[] = {"yt=0.02", "tm=1728", "t=1000", "cp=4.4e-3", NULL}; /* so much cp that the heat warms nothing */
+    const char *hot[] = {"yt=0.02", "tm=1728", "t=1000", "cp=4.4e-3",
+                         NULL}; /* so much cp that the heat warms nothing */
     draw_out(cold, 0.02);
     draw_out(hot, 0.02 * (1.0 - 700.0 / 1428.0));
 }
 
-/* --- other frames ------------------------------------------------------------------------------------------------- */
+/* --- other frames --- */
 
 /* Two blocks of one metal and a loose disc collide off centre, with all of mechanics at work. */
 static const char frame_deck[] =
     "let d = 0.04; let shift = 0; let sign = 1\n"
     "domain { origin = -2 -2; size = 4 4; r_c = 1.2*d; delta_r = 0.2*d }\n"
     "time { dt = 0.02; steps = 1 }\n"
-    "material Cu { rho0 = 8.93; c0 = 0.394; s = 1.489; shear = 0.477; yield = 0.0012; tensile = 0.015; tm = 1356\n"
+    "material Cu { rho0 = 8.93; c0 = 0.394; s = 1.489; shear = 0.477; yield = 0.0012; tensile = 0.015; tm = "
+    "1356\n"
     "              cp = 3.83e-6; kappa = 4.01e-11 }\n"
     "interaction { potential = morse; zeta = 0.1; ct_ratio = 0.03; mu = 0.3 }\n"
     "body one { shape = rectangle -0.5 -0.15 -0.05 0.15; spacing = d; origin = -0.4 0.01; material = Cu\n"
     "           velocity = 0.03 0.004 }\n"
-    "body two { shape = rectangle 0.05 -0.3 0.4 0.1; spacing = d; angle = 17 deg; origin = 0.2 0; material = Cu\n"
+    "body two { shape = rectangle 0.05 -0.3 0.4 0.1; spacing = d; angle = 17 deg; origin = 0.2 0; material = "
+    "Cu\n"
     "           velocity = -0.02 0 }\n";
 
 struct frame {
@@ -502,8 +537,8 @@ static void in_frame(const struct engine *g, struct engine_state *s, const struc
         s->pair[p].spring *= f->mirror;
 }
 
-/* `steps` steps from the state that g has at step `at`, seen from the frame, against those from that state as seen from the
- * frame. */
+/* `steps` steps from the state that g has at step `at`, seen from the frame, against those from that state as
+ * seen from the frame. */
 static void frames_agree(struct engine *g, int64_t at, int steps, const struct frame *f, double tolerance)
 {
     const struct config *c = &g->deck.config;
@@ -511,8 +546,10 @@ static void frames_agree(struct engine *g, int64_t at, int steps, const struct f
     engine_restore(g, at, &start);
     engine_run(g, steps);
     still = engine_collect(g, false);
-    struct engine_state other = {.e = malloc(start.n * sizeof *other.e), .pair = malloc((start.n_pairs + 1) * sizeof *other.pair),
-                                 .n = start.n, .n_pairs = start.n_pairs};
+    struct engine_state other = {.e = malloc(start.n * sizeof *other.e),
+                                 .pair = malloc((start.n_pairs + 1) * sizeof *other.pair),
+                                 .n = start.n,
+                                 .n_pairs = start.n_pairs};
     memcpy(other.e, start.e, start.n * sizeof *other.e);
     memcpy(other.pair, start.pair, start.n_pairs * sizeof *other.pair);
     in_frame(g, &other, f, 0.0);
@@ -540,7 +577,8 @@ static void frames_agree(struct engine *g, int64_t at, int steps, const struct f
     }
     for (size_t p = 0; p < still.n_pairs; p++)
         links += still.pair[p].linked;
-    printf("%s: r off by %.2g cm, v by %.2g cm/us, heat by %.2g of the largest, shares by %.2g; %zu links of %zu, %zu changed\n",
+    printf("%s: r off by %.2g cm, v by %.2g cm/us, heat by %.2g of the largest, shares by %.2g; %zu links of "
+           "%zu, %zu changed\n",
            f->name, r, v, heat / hottest, share, links, start.n_pairs, changed);
     CHECK(hottest > 0.0);
     CHECK(r < tolerance && v < tolerance && heat < tolerance * hottest && share < tolerance);
@@ -565,9 +603,9 @@ TEST(moving_and_mirrored_frames)
     engine_stop(&g);
 }
 
-/* Decks of applications: the plate impact until it has spalled; polycrystal and shear band, whose walls are driven along,
- * with motion and mirror across their periodic seam. The shear band from step 30 on: its lattice starts with r = r0, where
- * rounding decides which pairs touch and react. */
+/* Decks of applications: the plate impact until it has spalled; polycrystal and shear band, whose walls are
+ * driven along, with motion and mirror across their periodic seam. The shear band from step 30 on: its
+ * lattice starts with r = r0, where rounding decides which pairs touch and react. */
 TEST(decks_in_moving_and_mirrored_frames)
 {
     static const struct {
@@ -576,14 +614,26 @@ TEST(decks_in_moving_and_mirrored_frames)
         int at, steps;
         struct frame frame[3];
     } decks[] = {
-        {"input/plate-impact.dm2", {"scale=0.5", NULL}, 0, 200,
-         {{"plate impact, moving", 1.0, {0.0, 0.0}, {0.03, -0.02}}, {"plate impact, shifted", 1.0, {0.337, 0.1}, {0.0, 0.0}},
+        {"input/plate-impact.dm2",
+         {"scale=0.5", NULL},
+         0,
+         200,
+         {{"plate impact, moving", 1.0, {0.0, 0.0}, {0.03, -0.02}},
+          {"plate impact, shifted", 1.0, {0.337, 0.1}, {0.0, 0.0}},
           {"plate impact, mirrored", -1.0, {1.1, 0.0}, {0.0, 0.0}}}},
-        {"input/cu-polycrystal.dm2", {"scale=0.4", NULL}, 0, 100,
-         {{"polycrystal, moving", 1.0, {0.0, 0.0}, {0.1, 0.0}}, {"polycrystal, shifted", 1.0, {0.123, 0.0}, {0.0, 0.0}},
+        {"input/cu-polycrystal.dm2",
+         {"scale=0.4", NULL},
+         0,
+         100,
+         {{"polycrystal, moving", 1.0, {0.0, 0.0}, {0.1, 0.0}},
+          {"polycrystal, shifted", 1.0, {0.123, 0.0}, {0.0, 0.0}},
           {"polycrystal, mirrored", -1.0, {0.05, 0.0}, {0.0, 0.0}}}},
-        {"input/shear-band.dm2", {"scale=0.5", "start=900 K", NULL}, 30, 300,
-         {{"shear band, moving", 1.0, {0.0, 0.0}, {0.05, 0.01}}, {"shear band, shifted", 1.0, {0.123, 0.0}, {0.0, 0.0}},
+        {"input/shear-band.dm2",
+         {"scale=0.5", "start=900 K", NULL},
+         30,
+         300,
+         {{"shear band, moving", 1.0, {0.0, 0.0}, {0.05, 0.01}},
+          {"shear band, shifted", 1.0, {0.123, 0.0}, {0.0, 0.0}},
           {"shear band, mirrored", -1.0, {0.05, 0.0}, {0.0, 0.0}}}},
     };
     enter_source_tree();
@@ -598,7 +648,6 @@ TEST(decks_in_moving_and_mirrored_frames)
 }
 
 TEST_MAIN(CASE(oblique_collision_against_a_thousandth_of_the_step), CASE(rigid_disc_limits_of_a_collision),
-          CASE(sliding_block_stops_where_friction_says), CASE(stress_of_a_strained_lattice_is_the_applied_one),
-          CASE(sheet_in_shear),
-          CASE(sheet_in_tension), CASE(moving_and_mirrored_frames),
-          CASE(decks_in_moving_and_mirrored_frames))
+          CASE(sliding_block_stops_where_friction_says),
+          CASE(stress_of_a_strained_lattice_is_the_applied_one), CASE(sheet_in_shear), CASE(sheet_in_tension),
+          CASE(moving_and_mirrored_frames), CASE(decks_in_moving_and_mirrored_frames))

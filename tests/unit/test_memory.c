@@ -2,18 +2,19 @@
 #include "engine_help.h"
 
 /* About 27 thousand elements: an element's own share is what counts at this size. */
-static const char solid[] =
-    "domain { size = 6 6; r_c = 0.1; delta_r = 0.01 }\n"
-    "time { dt = 0.02; steps = 100 }\n"
-    "material Ni { rho0 = 8.9; c0 = 0.46; s = 1.4; shear = 0.76; yield = 0.005 }\n"
-    "interaction { zeta = 0.1; ct_ratio = 0.05; mu = 0.2 }\n"
-    "body block { shape = rectangle 0 0 6 6; spacing = 0.04; material = Ni; velocity = 0.02 0; jitter = 0.01 }\n";
+static const char solid[] = "domain { size = 6 6; r_c = 0.1; delta_r = 0.01 }\n"
+                            "time { dt = 0.02; steps = 100 }\n"
+                            "material Ni { rho0 = 8.9; c0 = 0.46; s = 1.4; shear = 0.76; yield = 0.005 }\n"
+                            "interaction { zeta = 0.1; ct_ratio = 0.05; mu = 0.2 }\n"
+                            "body block { shape = rectangle 0 0 6 6; spacing = 0.04; material = Ni; velocity "
+                            "= 0.02 0; jitter = 0.01 }\n";
 
 static const char sheet[] =
     "domain { size = 160 160; r_c = 2.5; delta_r = 0.25 }\n"
     "time { dt = 0.005; steps = 100 }\n"
     "material atom { mass = 1 }\n"
-    "interaction { potential = lennard-jones; scope = all; epsilon = 1; sigma = 0.9; cutoff = 2.5; linked = no }\n"
+    "interaction { potential = lennard-jones; scope = all; epsilon = 1; sigma = 0.9; cutoff = 2.5; linked = "
+    "no }\n"
     "body block { shape = rectangle 0 0 160 160; spacing = 1; material = atom; jitter = 0.4 }\n";
 
 /* Bytes per element after steps with rebuilds and measures. */
@@ -55,4 +56,4 @@ TEST(several_ranks_pay_for_their_boundaries_alone)
 }
 
 TEST_MAIN(CASE(plain_mechanics_needs_less_than_400_bytes_per_element), CASE(pairs_without_memory_need_less),
-           CASE(several_ranks_pay_for_their_boundaries_alone))
+          CASE(several_ranks_pay_for_their_boundaries_alone))

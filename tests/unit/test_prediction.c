@@ -1,11 +1,13 @@
-/* From the report of a run to the line that it prints: reports that are made so that one thing makes the difference. */
+/* From the report of a run to the line that it prints: reports that are made so that one thing makes the
+ * difference. */
 #include "check.h"
 
 #include "app/prediction.h"
 
 enum { STEPS = 100 };
 
-/* Two servers on 1000 elements in 100 cells each, 2 ms of computing per step, 3 ms that passed; 50 elements mirrored. */
+/* Two servers on 1000 elements in 100 cells each, 2 ms of computing per step, 3 ms that passed; 50 elements
+ * mirrored. */
 static struct run_report sample(struct server_report server[2])
 {
     for (int k = 0; k < 2; k++)
@@ -37,7 +39,8 @@ static struct calibration constants(void)
     return c;
 }
 
-static struct explanation explain(const struct run_report *r, const struct calibration *c, int cores, char *text)
+static struct explanation explain(const struct run_report *r, const struct calibration *c, int cores,
+                                  char *text)
 {
     struct prediction_basis basis;
     struct explanation e = {0};
@@ -56,8 +59,10 @@ TEST(waiting)
     struct explanation e = explain(&r, &c, 2, text);
     CHECK_NEAR(e.predicted, 2.1e-3, 1e-12);
     CHECK_NEAR(e.measured, 3e-3, 1e-12);
-    CHECK_CONTAINS(text, "predicted: 2.1 ms per step = 2 computing + 0.1 communication (calibrated: here.csv)\n");
-    CHECK_CONTAINS(text, "measured: 3 ms per step, +42.9 %; largest cause of the difference: waiting, +0.9 ms\n");
+    CHECK_CONTAINS(text,
+                   "predicted: 2.1 ms per step = 2 computing + 0.1 communication (calibrated: here.csv)\n");
+    CHECK_CONTAINS(text,
+                   "measured: 3 ms per step, +42.9 %; largest cause of the difference: waiting, +0.9 ms\n");
     CHECK_CONTAINS(text, "speedup: 1.33, efficiency 0.667, against T_seq 4 ms per step\n");
 }
 
@@ -108,7 +113,8 @@ TEST(work_ahead)
     struct calibration c = constants();
     char text[PREDICTION_TEXT];
     server[0].times.ahead = server[1].times.ahead = 0.06e-3 * STEPS;
-    double share = 0.06 / (1e3 * (server[0].times.forces + server[0].times.integrate + server[0].times.rebuild) / STEPS);
+    double share =
+        0.06 / (1e3 * (server[0].times.forces + server[0].times.integrate + server[0].times.rebuild) / STEPS);
     CHECK_NEAR(explain(&r, &c, 2, text).predicted, 2.1e-3, 1e-12);
     CHECK_NEAR(explain(&r, &c, 3, text).predicted, 2.1e-3 - share * 2e-3, 1e-12);
     CHECK_NEAR(explain(&r, &c, 0, text).predicted, 2.1e-3 - share * 2e-3, 1e-12);
@@ -142,7 +148,8 @@ TEST(computing)
     CHECK_CONTAINS(text, "largest cause of the difference: computing, -6 ms");
 }
 
-/* Fewer processors than servers share the work; k is that of the part on each, beside busy neighbours only on one machine. */
+/* Fewer processors than servers share the work; k is that of the part on each, beside busy neighbours only on
+ * one machine. */
 TEST(processors_and_caches)
 {
     struct server_report server[2];
@@ -185,5 +192,5 @@ TEST(estimated)
     CHECK(!prediction_explain(&r, &basis, &e));
 }
 
-TEST_MAIN(CASE(waiting), CASE(imbalance), CASE(migration), CASE(work_ahead), CASE(relay), CASE(computing), CASE(processors_and_caches),
-          CASE(estimated))
+TEST_MAIN(CASE(waiting), CASE(imbalance), CASE(migration), CASE(work_ahead), CASE(relay), CASE(computing),
+          CASE(processors_and_caches), CASE(estimated))

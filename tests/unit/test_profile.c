@@ -1,9 +1,11 @@
-/* Profiles and probes of real states: bins, known means, conservation, the same sums on any number of ranks. */
+/* Profiles and probes of real states: bins, known means, conservation, the same sums on any number of ranks.
+ */
 #include "engine_help.h"
 
 #include <math.h>
 
-/* Two slabs, one flying up into the other, in a domain with a profile of its rows. Row k lies at 0.02 + k row. */
+/* Two slabs, one flying up into the other, in a domain with a profile of its rows. Row k lies at 0.02 + k
+ * row. */
 static const char SLABS[] =
     "let row = 0.04 * sqrt(3)/2\n"
     "domain { size = 0.8 0.6; r_c = 0.1; delta_r = 0.02; boundary = periodic free }\n"
@@ -11,9 +13,11 @@ static const char SLABS[] =
     "material heavy { rho0 = 8; c0 = 0.4; s = 1.4; cp = 4e-6 }\n"
     "material light { rho0 = 2; c0 = 0.5; s = 1.3; cp = 9e-6 }\n"
     "interaction { zeta = 0.1 }\n"
-    "body low { shape = rectangle 0 0.01 0.8 0.02 + 5.5*row; spacing = 0.04; origin = 0.01 0.02; material = heavy;\n"
+    "body low { shape = rectangle 0 0.01 0.8 0.02 + 5.5*row; spacing = 0.04; origin = 0.01 0.02; material = "
+    "heavy;\n"
     "  velocity = 0.01 0.04 }\n"
-    "body high { shape = rectangle 0 0.02 + 5.5*row 0.8 0.02 + 10.5*row; spacing = 0.04; origin = 0.01 0.02;\n"
+    "body high { shape = rectangle 0 0.02 + 5.5*row 0.8 0.02 + 10.5*row; spacing = 0.04; origin = 0.01 "
+    "0.02;\n"
     "  material = light; temperature = 400 }\n"
     "profile rows { axis = y; bins = 13; range = 0.02 - row/2, 0.02 + 12.5*row; every = 10 }\n"
     "profile all { axis = x; bins = 1 }\n"
@@ -64,8 +68,8 @@ TEST(rows_at_the_start)
     engine_stop(&g);
 }
 
-/* Later: a profile of one bin over everything holds the momentum of the history and the mean stress of all elements,
- * and the probe the mean velocity of its elements. */
+/* Later: a profile of one bin over everything holds the momentum of the history and the mean stress of all
+ * elements, and the probe the mean velocity of its elements. */
 TEST(one_bin_is_the_whole)
 {
     struct engine g;
@@ -137,7 +141,8 @@ static void refused(const char *block, const char *text)
     (void)snprintf(deck, sizeof deck,
                    "domain { size = 1 1; r_c = 0.1; delta_r = 0.02 }\ntime { dt = 0.01; steps = 40 }\n"
                    "material m { rho0 = 8; c0 = 0.4; s = 1.4 }\n"
-                   "body b { shape = rectangle 0.1 0.1 0.9 0.9; spacing = 0.04; material = m }\n%s\n", block);
+                   "body b { shape = rectangle 0.1 0.1 0.9 0.9; spacing = 0.04; material = m }\n%s\n",
+                   block);
     struct loaded l = load_text(deck, NULL, -1);
     CHECK_EQ_INT(l.status, DM2_DECK);
     CHECK_REPORT(l.report.n_errors == 1, "%s gives\n%s", block, l.report.text);
@@ -157,17 +162,20 @@ TEST(bad_blocks)
     refused("profile p { axis = x; bins = 5; range = 1 us 2 cm }", "'range' is a length");
     refused("profile p { axis = x; bins = 5; every = 0 }", "'every' must be at least 1");
     refused("profile { axis = x; bins = 5 }", "between 'profile' and '{' belongs a name");
-    refused("profile p { axis = x; bins = 5 } profile p { axis = y; bins = 5 }", "there is a profile 'p' before");
+    refused("profile p { axis = x; bins = 5 } profile p { axis = y; bins = 5 }",
+            "there is a profile 'p' before");
     refused("profile p { axes = x; bins = 5 }", "'axes' is no keyword of 'profile'");
     refused("output { strain = maybe }", "'maybe' is no value of 'strain'");
 }
 
 TEST(defaults)
 {
-    struct loaded l = load_text("domain { size = 2 1; origin = 0.5 -1; r_c = 0.1; delta_r = 0.02 }\n"
-                                "time { dt = 0.01; steps = 400 }\nmaterial m { rho0 = 8; c0 = 0.4; s = 1.4 }\n"
-                                "body b { shape = rectangle 1 -0.9 2 -0.1; spacing = 0.04; material = m }\n"
-                                "profile p { axis = y; bins = 5 }\n", NULL, -1);
+    struct loaded l =
+        load_text("domain { size = 2 1; origin = 0.5 -1; r_c = 0.1; delta_r = 0.02 }\n"
+                  "time { dt = 0.01; steps = 400 }\nmaterial m { rho0 = 8; c0 = 0.4; s = 1.4 }\n"
+                  "body b { shape = rectangle 1 -0.9 2 -0.1; spacing = 0.04; material = m }\n"
+                  "profile p { axis = y; bins = 5 }\n",
+                  NULL, -1);
     CHECK_EQ_INT(l.status, DM2_OK);
     CHECK_EQ_INT(l.config.n_profiles, 1);
     CHECK_SAME_BITS(l.config.profiles[0].range[0], -1);
@@ -177,5 +185,5 @@ TEST(defaults)
     loaded_free(&l);
 }
 
-TEST_MAIN(CASE(rows_at_the_start), CASE(one_bin_is_the_whole), CASE(the_same_sums_on_any_number_of_ranks), CASE(bins),
-          CASE(bad_blocks), CASE(defaults))
+TEST_MAIN(CASE(rows_at_the_start), CASE(one_bin_is_the_whole), CASE(the_same_sums_on_any_number_of_ranks),
+          CASE(bins), CASE(bad_blocks), CASE(defaults))

@@ -42,4 +42,5 @@ TEST(pow_matches_libm)
     CHECK_SAME_BITS(real_pow(0.0, 0.5), 0.0);
 }
 
-TEST_MAIN(CASE(exp_matches_libm), CASE(log_matches_libm), CASE(circular_functions_match_libm), CASE(pow_matches_libm))
+TEST_MAIN(CASE(exp_matches_libm), CASE(log_matches_libm), CASE(circular_functions_match_libm),
+          CASE(pow_matches_libm))

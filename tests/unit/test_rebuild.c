@@ -49,7 +49,7 @@ TEST(the_guess_looks_one_step_ahead)
     struct config c = {0};
     struct rebuild_plan plan;
     rebuild_plan_start(&plan, &c, both);
-    CHECK(!rebuild_plan_expected(&plan));  /* nothing moved yet */
+    CHECK(!rebuild_plan_expected(&plan));         /* nothing moved yet */
     CHECK(!rebuild_plan_step(&plan, 0.19, NULL)); /* 2 * (0.19 + 1.1 * 0.19) < 1 */
     CHECK(!rebuild_plan_expected(&plan));
     CHECK(!rebuild_plan_step(&plan, 0.2, NULL)); /* 2 * (0.39 + 1.1 * 0.2) > 1 */
@@ -71,8 +71,8 @@ static struct spread spread_of(double x0, double y0, double x1, double y1, doubl
 
 TEST(a_pair_approaches_by_no_more_than_box_and_circle_allow)
 {
-    struct spread none = spread_none(), random = spread_of(-1, -1, 1, 1, 1.1), flyer = spread_of(0, 0, 3, 0, 3),
-                  whole = spread_of(5, 5, 5, 5, 8);
+    struct spread none = spread_none(), random = spread_of(-1, -1, 1, 1, 1.1),
+                  flyer = spread_of(0, 0, 3, 0, 3), whole = spread_of(5, 5, 5, 5, 8);
     CHECK_SAME_BITS(spread_approach(&none), 0.0);
     CHECK_SAME_BITS(spread_approach(&random), 2.2);
     CHECK_SAME_BITS(spread_approach(&flyer), 3.0);
@@ -80,7 +80,8 @@ TEST(a_pair_approaches_by_no_more_than_box_and_circle_allow)
     spread_merge(&none, &flyer);
     CHECK_SAME_BITS(spread_approach(&none), 3.0);
     spread_merge(&flyer, &random);
-    CHECK(flyer.low[0] == -1 && flyer.low[1] == -1 && flyer.high[0] == 3 && flyer.high[1] == 1 && flyer.most == 3);
+    CHECK(flyer.low[0] == -1 && flyer.low[1] == -1 && flyer.high[0] == 3 && flyer.high[1] == 1 &&
+          flyer.most == 3);
 }
 
 TEST(a_survey_lowers_the_bound_and_never_raises_it)
@@ -121,7 +122,8 @@ TEST(bins_are_compared_by_their_boxes_and_circles)
 TEST(what_parts_them_does_not_count)
 {
     struct spread a = spread_of(0, -1, 1, 0, 10), b = spread_of(3, 2, 5, 4, 10), none = spread_none();
-    const int east[2] = {1, 0}, west[2] = {-1, 0}, north[2] = {0, 1}, south_west[2] = {-1, -1}, north_east[2] = {1, 1};
+    const int east[2] = {1, 0}, west[2] = {-1, 0}, north[2] = {0, 1}, south_west[2] = {-1, -1},
+              north_east[2] = {1, 1};
     CHECK_SAME_BITS(spread_between(&a, &b, east), 5.0); /* b went east, and north or south of a */
     CHECK_SAME_BITS(spread_between(&a, &b, west), sqrt(50.0));
     CHECK_SAME_BITS(spread_between(&a, &b, north), 5.0);
@@ -154,8 +156,8 @@ TEST(close_ones_and_any_two_have_margins_of_their_own)
     CHECK_NEAR(plan.approach, 2.5, 1e-15);
 }
 
-TEST_MAIN(CASE(bins_are_compared_by_their_boxes_and_circles),
-          CASE(what_parts_them_does_not_count), CASE(close_ones_and_any_two_have_margins_of_their_own),
+TEST_MAIN(CASE(bins_are_compared_by_their_boxes_and_circles), CASE(what_parts_them_does_not_count),
+          CASE(close_ones_and_any_two_have_margins_of_their_own),
           CASE(a_pair_approaches_by_no_more_than_box_and_circle_allow),
           CASE(a_survey_lowers_the_bound_and_never_raises_it),
           CASE(lists_last_while_twice_dumax_is_within_the_margin), CASE(every_k_steps_as_well),

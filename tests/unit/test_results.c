@@ -16,8 +16,8 @@
 #include "dm2/plot/vtp_reader.h"
 
 static const uint8_t digest[RESULTS_DIGEST_BYTES] = {9, 8, 7};
-static const struct measure_scales scales = {.energy = 80, .momentum = 80, .length = 60, .velocity = 80,
-                                             .mass = 80, .volume = 80, .temperature = 60};
+static const struct measure_scales scales = {
+    .energy = 80, .momentum = 80, .length = 60, .velocity = 80, .mass = 80, .volume = 80, .temperature = 60};
 
 static struct results *open_results(const struct fake *f, const char *name, bool overwrite)
 {
@@ -119,8 +119,14 @@ TEST(whole_run)
     CHECK_EQ_INT(results_snapshot(r, 0, f.elements, f.measured, f.n, f.pairs, f.n_pairs, &err), DM2_OK);
     CHECK_EQ_INT(results_history(r, 200, &m, &err), DM2_OK);
     CHECK_EQ_INT(results_snapshot(r, 200, f.elements, f.measured, f.n, f.pairs, f.n_pairs, &err), DM2_OK);
-    CHECK_EQ_INT(results_final(r, &(struct state_view){.step = 200, .elements = f.elements, .n_elements = f.n, .pairs = f.pairs,
-                                                         .n_pairs = f.n_pairs}, &err), DM2_OK);
+    CHECK_EQ_INT(results_final(r,
+                               &(struct state_view){.step = 200,
+                                                    .elements = f.elements,
+                                                    .n_elements = f.n,
+                                                    .pairs = f.pairs,
+                                                    .n_pairs = f.n_pairs},
+                               &err),
+                 DM2_OK);
     CHECK_EQ_INT(results_text(r, "run.log", "first\n", 6, &err), DM2_OK);
     CHECK_EQ_INT(results_text(r, "run.log", "log\n", 4, &err), DM2_OK);
     CHECK_EQ_INT(results_text(r, "timing.csv", "a\n", 2, &err), DM2_OK);
@@ -171,15 +177,17 @@ TEST(history_rows)
     CHECK_STR(
         text,
         "step,time [us],kinetic [g cm2/us2],potential [g cm2/us2],elastic [g cm2/us2],thermal [g cm2/us2],"
-        "chemical [g cm2/us2],phase [g cm2/us2],work [g cm2/us2],total [g cm2/us2],momentum_x [g cm/us],momentum_y [g cm/us],angular_momentum [g "
+        "chemical [g cm2/us2],phase [g cm2/us2],work [g cm2/us2],total [g cm2/us2],momentum_x [g "
+        "cm/us],momentum_y [g cm/us],angular_momentum [g "
         "cm2/us],"
         "elements,links,contacts,temperature_max [K],pressure_min [Mbar],pressure_max [Mbar],surface_x [cm],"
         "surface_y [cm],surface_vx [cm/us],surface_vy [cm/us],spall_x [cm],spall_y [cm],spall_vx [cm/us],"
         "spall_vy [cm/us]\n"
-        "40,1,1.25,0.5,0.125,9.313225746154785e-10,2,-0.25,0.0625,3.5625000009313226,-3,0.1,7,1689,4903,12,311.5,-0."
+        "40,1,1.25,0.5,0.125,9.313225746154785e-10,2,-0.25,0.0625,3.5625000009313226,-3,0.1,7,1689,4903,12,"
+        "311.5,-0."
         "25,0.75,"
         "2,0.25,-0.5,0.125,nan,nan,nan,nan\n"
-              "50,1.25,0.1,0,0,0,0,0,0.1,0,0,0,0,0,0,0,0,0,0,nan,nan,nan,nan,nan,nan,nan,nan\n");
+        "50,1.25,0.1,0,0,0,0,0,0.1,0,0,0,0,0,0,0,0,0,0,nan,nan,nan,nan,nan,nan,nan,nan\n");
     free(text);
     CHECK_EQ_INT(csv_read(scratch_path("history/history.csv"), &csv, &err), DM2_OK);
     CHECK_EQ_INT(csv.n_columns, 27);
@@ -192,7 +200,8 @@ TEST(profile_rows)
 {
     struct fake f;
     struct dm2_error err = {0};
-    struct profile_config profile = {.name = "depth", .axis = AXIS_Y, .bins = 2, .range = {0, 0.5}, .every = 10};
+    struct profile_config profile = {
+        .name = "depth", .axis = AXIS_Y, .bins = 2, .range = {0, 0.5}, .every = 10};
     struct profile_bin bins[2] = {{.elements = 4}, {.elements = 0}};
     fake_make(&f, 50, 2); /* 2 cm wide */
     f.config.profiles = &profile;
@@ -264,9 +273,13 @@ TEST(overwrite_replaces_only_our_files)
                                        "snapshots/state-000000007.vtp",
                                        "snapshots/state-000000007.xyz.part",
                                        "snapshots/series.pvd"};
-    static const char *const theirs[] = {"notes.txt", "history.csv.orig", "profile-.csv", "profile-a.b.csv",
+    static const char *const theirs[] = {"notes.txt",
+                                         "history.csv.orig",
+                                         "profile-.csv",
+                                         "profile-a.b.csv",
                                          "snapshots/state-best.vtp",
-                                         "snapshots/state-000000007.vtp.bak", "snapshots/state-7.png"};
+                                         "snapshots/state-000000007.vtp.bak",
+                                         "snapshots/state-7.png"};
     fake_make(&f, 2, 2);
     mkdir(scratch_path("again"), 0777);
     mkdir(scratch_path("again/snapshots"), 0777);
@@ -338,8 +351,13 @@ TEST(full_disk)
     snprintf(path, sizeof path, "%s: cannot write: File too large",
              scratch_path("disk/snapshots/state-000000007.vtp"));
     CHECK_STR(err.text, path);
-    CHECK_EQ_INT(results_final(r, &(struct state_view){.step = 7, .elements = f.elements, .n_elements = f.n, .pairs = f.pairs,
-                                                         .n_pairs = f.n_pairs}, &err), DM2_IO);
+    CHECK_EQ_INT(
+        results_final(
+            r,
+            &(struct state_view){
+                .step = 7, .elements = f.elements, .n_elements = f.n, .pairs = f.pairs, .n_pairs = f.n_pairs},
+            &err),
+        DM2_IO);
     CHECK_CONTAINS(err.text, "disk/final.dm2: cannot write: File too large");
     f.config.output.vtp = false;
     CHECK_EQ_INT(results_snapshot(r, 7, f.elements, f.measured, f.n, f.pairs, f.n_pairs, &err), DM2_IO);
@@ -367,8 +385,13 @@ TEST(directory_that_cannot_be_written)
     CHECK_CONTAINS(err.text, "/proc/nowhere: cannot make the directory");
     r = open_results(&f, "moved", false);
     CHECK_EQ_INT(rename(scratch_path("moved"), scratch_path("elsewhere")), 0);
-    CHECK_EQ_INT(results_final(r, &(struct state_view){.step = 1, .elements = f.elements, .n_elements = f.n, .pairs = f.pairs,
-                                                         .n_pairs = f.n_pairs}, &err), DM2_IO);
+    CHECK_EQ_INT(
+        results_final(
+            r,
+            &(struct state_view){
+                .step = 1, .elements = f.elements, .n_elements = f.n, .pairs = f.pairs, .n_pairs = f.n_pairs},
+            &err),
+        DM2_IO);
     CHECK_CONTAINS(err.text, "moved/final.dm2: cannot create: No such file or directory");
     CHECK_EQ_INT(results_close(r, &err), DM2_IO);
     CHECK_CONTAINS(err.text, "moved/history.csv: cannot rename its .part file: No such file or directory");
@@ -387,7 +410,6 @@ TEST(end)
 }
 
 TEST_MAIN(CASE(begin), CASE(default_directory), CASE(steps_that_are_due), CASE(whole_run), CASE(history_rows),
-          CASE(profile_rows),
-          CASE(not_empty_is_an_error), CASE(overwrite_replaces_only_our_files),
+          CASE(profile_rows), CASE(not_empty_is_an_error), CASE(overwrite_replaces_only_our_files),
           CASE(abort_leaves_nothing_half_written), CASE(full_disk), CASE(directory_that_cannot_be_written),
           CASE(end))

@@ -96,7 +96,8 @@ TEST(copies_beside_snapshots)
     const int every[] = {0, 1, 2, 7, 50};
     for (size_t k = 0; k < sizeof every / sizeof every[0]; k++) {
         double found = share(every[k], 0.001, 0.02, 0.004, 20000);
-        CHECK_REPORT(found > 0.008 && found <= 0.02, "snapshots every %d steps: copies take %g", every[k], found);
+        CHECK_REPORT(found > 0.008 && found <= 0.02, "snapshots every %d steps: copies take %g", every[k],
+                     found);
     }
 }
 

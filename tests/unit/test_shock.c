@@ -1,30 +1,35 @@
-/* Shocks in the metals of the plate impact against what is known of them: Us(up) of the LASL fits, the stress of
- * impedance matching, and the spall strength seen from a free surface. */
+/* Shocks in the metals of the plate impact against what is known of them: Us(up) of the LASL fits, the stress
+ * of impedance matching, and the spall strength seen from a free surface. */
 #include "engine_help.h"
 
-#define METALS                                                                                                         \
-    "material Ni { rho0 = 8.874; c0 = 0.4602; s = 1.437; shear = 0.855; yield = 0.0014; tensile = STRENGTH\n"          \
-    "              tm = 1728; cp = 4.4e-6; kappa = 9.09e-12 }\n"                                                     \
-    "material Al { rho0 = 2.703; c0 = 0.5350; s = 1.340; shear = 0.276; yield = 0.0029; tensile = STRENGTH\n"          \
-    "              tm = 925; cp = 8.97e-6; kappa = 1.67e-11 }\n"                                                     \
-    "material Cu { rho0 = 8.930; c0 = 0.3940; s = 1.489; shear = 0.477; yield = 0.0012; tensile = STRENGTH\n"          \
+#define METALS                                                                                               \
+    "material Ni { rho0 = 8.874; c0 = 0.4602; s = 1.437; shear = 0.855; yield = 0.0014; tensile = "          \
+    "STRENGTH\n"                                                                                             \
+    "              tm = 1728; cp = 4.4e-6; kappa = 9.09e-12 }\n"                                             \
+    "material Al { rho0 = 2.703; c0 = 0.5350; s = 1.340; shear = 0.276; yield = 0.0029; tensile = "          \
+    "STRENGTH\n"                                                                                             \
+    "              tm = 925; cp = 8.97e-6; kappa = 1.67e-11 }\n"                                             \
+    "material Cu { rho0 = 8.930; c0 = 0.3940; s = 1.489; shear = 0.477; yield = 0.0012; tensile = "          \
+    "STRENGTH\n"                                                                                             \
     "              tm = 1356; cp = 3.83e-6; kappa = 4.01e-11 }\n"
 
 struct metal {
     const char *name;
     double rho0, c0, s;
 };
-static const struct metal metals[] = {{"Ni", 8.874, 0.4602, 1.437}, {"Al", 2.703, 0.5350, 1.340},
-                                      {"Cu", 8.930, 0.3940, 1.489}};
+static const struct metal metals[] = {
+    {"Ni", 8.874, 0.4602, 1.437}, {"Al", 2.703, 0.5350, 1.340}, {"Cu", 8.930, 0.3940, 1.489}};
 
-/* A flyer hits a target: along the rows (x), or normal to them (y); periodic across. Probes of one row distance. */
+/* A flyer hits a target: along the rows (x), or normal to them (y); periodic across. Probes of one row
+ * distance. */
 static const char along_deck[] =
     "let d = 0.04; let row = sqrt(3)/2*d; let v = 0.1; let strength = 1; let cells = 6*row\n"
     "let n = FLYER; let k = TARGET; let first = (n + 20)*d; let last = (n + k)*d\n"
     "domain { size = (n + k)*d cells; boundary = free periodic; r_c = 1.1*d; delta_r = 0.1*d }\n"
     "time { dt = STEP; steps = 1 }\n" METALS
     "interaction { potential = morse; zeta = 0.1; ct_ratio = 0.02; link_break = 1.05 }\n"
-    "body flyer { shape = rectangle 0 0 n*d cells; spacing = d; origin = d/8 row/2; material = ONE; velocity = v 0 }\n"
+    "body flyer { shape = rectangle 0 0 n*d cells; spacing = d; origin = d/8 row/2; material = ONE; velocity "
+    "= v 0 }\n"
     "body target { shape = rectangle n*d 0 last cells; spacing = d; origin = d/8 row/2; material = TWO }\n"
     "probe near { region = first 0 first + d cells }\n"
     "probe far { region = first + 30*d 0 first + 31*d cells }\n"
@@ -37,7 +42,8 @@ static const char normal_deck[] =
     "domain { size = cells (n + k)*row; boundary = periodic free; r_c = 1.1*d; delta_r = 0.1*d }\n"
     "time { dt = STEP; steps = 1 }\n" METALS
     "interaction { potential = morse; zeta = 0.1; ct_ratio = 0.02; link_break = 1.05 }\n"
-    "body flyer { shape = rectangle 0 0 cells n*row; spacing = d; origin = d/8 row/2; material = ONE; velocity = 0 v }\n"
+    "body flyer { shape = rectangle 0 0 cells n*row; spacing = d; origin = d/8 row/2; material = ONE; "
+    "velocity = 0 v }\n"
     "body target { shape = rectangle 0 n*row cells last; spacing = d; origin = d/8 row/2; material = TWO }\n"
     "probe near { region = 0 first cells first + row }\n"
     "probe far { region = 0 first + 30*row cells first + 31*row }\n"
@@ -77,7 +83,8 @@ static void impact_start(struct engine *g, const struct impact *k)
 
 static double probe_v(const struct engine *g, const struct measures *m, int probe, int axis)
 {
-    return exact_value(&m->probe[probe].v[axis], model_scales(g->model).velocity) / (double)m->probe[probe].count;
+    return exact_value(&m->probe[probe].v[axis], model_scales(g->model).velocity) /
+           (double)m->probe[probe].count;
 }
 
 /* Speed of the shock between two probes 30 row distances apart: when each has half the particle velocity. */
@@ -107,8 +114,13 @@ TEST(shocks_travel_as_the_lasl_fits_say)
         for (int axis = 0; axis < 2; axis++) {
             for (int u = 0; u < 4; u++) {
                 const struct metal *m = &metals[metal];
-                struct impact k = {.axis = axis, .flyer = m->name, .target = m->name, .strength = "0.012",
-                                   .dt = "0.01", .rows = {"30", "60"}, .v = 2.0 * ups[u]};
+                struct impact k = {.axis = axis,
+                                   .flyer = m->name,
+                                   .target = m->name,
+                                   .strength = "0.012",
+                                   .dt = "0.01",
+                                   .rows = {"30", "60"},
+                                   .v = 2.0 * ups[u]};
                 double fit = m->c0 + m->s * ups[u], us = shock_speed(&k);
                 printf("%s, %s rows, up %.2f cm/us: Us %.4f, LASL's fit %.4f, ratio %.4f\n", m->name,
                        axis == 0 ? "along" : "normal to", ups[u], us, fit, us / fit);
@@ -151,8 +163,13 @@ TEST(nickel_on_aluminium_meets_the_matched_impedances)
     static const double speeds[] = {0.04, 0.10};
     for (int axis = 0; axis < 2; axis++) {
         for (int u = 0; u < 2; u++) {
-            struct impact k = {.axis = axis, .flyer = "Ni", .target = "Al", .strength = "0.012", .dt = "0.01",
-                               .rows = {"40", "60"}, .v = speeds[u]};
+            struct impact k = {.axis = axis,
+                               .flyer = "Ni",
+                               .target = "Al",
+                               .strength = "0.012",
+                               .dt = "0.01",
+                               .rows = {"40", "60"},
+                               .v = speeds[u]};
             const struct metal *a = &metals[0], *b = &metals[1];
             double low = 0.0, high = k.v;
             for (int n = 0; n < 60; n++) { /* the velocity at which both Hugoniots have one pressure */
@@ -172,11 +189,17 @@ TEST(nickel_on_aluminium_meets_the_matched_impedances)
     }
 }
 
-/* Pull-back of the free surface: it speeds up, then is held back until the target tears. 1/2 rho c0 du is the strength. */
+/* Pull-back of the free surface: it speeds up, then is held back until the target tears. 1/2 rho c0 du is the
+ * strength. */
 static double pull_back(int axis, const char *strength)
 {
-    struct impact k = {.axis = axis, .flyer = "Ni", .target = "Ni", .strength = strength, .dt = "0.015",
-                       .rows = {"30", "70"}, .v = 0.04};
+    struct impact k = {.axis = axis,
+                       .flyer = "Ni",
+                       .target = "Ni",
+                       .strength = strength,
+                       .dt = "0.015",
+                       .rows = {"30", "70"},
+                       .v = 0.04};
     struct engine g;
     double peak = 0.0, least = 1.0;
     size_t links = 0;
@@ -196,9 +219,10 @@ static double pull_back(int axis, const char *strength)
     return 0.5 * metals[0].rho0 * metals[0].c0 * (peak - least);
 }
 
-/* Normal to the rows the stress of bonds that flow is Yt; what is above it is the damping of rows that are torn apart, which
- * does not depend on Yt: so the smaller Yt, the larger its share. Along the rows their own links, 2/3 of the strength, flow
- * first, and it depends on Yt how much those at 60 degrees add until a crack opens. */
+/* Normal to the rows the stress of bonds that flow is Yt; what is above it is the damping of rows that are
+ * torn apart, which does not depend on Yt: so the smaller Yt, the larger its share. Along the rows their own
+ * links, 2/3 of the strength, flow first, and it depends on Yt how much those at 60 degrees add until a crack
+ * opens. */
 TEST(pull_back_of_the_free_surface_tells_the_strength)
 {
     static const struct {
@@ -208,17 +232,21 @@ TEST(pull_back_of_the_free_surface_tells_the_strength)
     for (int y = 0; y < 4; y++) {
         double yt = strengths[y].value;
         double normal = pull_back(1, strengths[y].text) / yt, along = pull_back(0, strengths[y].text) / yt;
-        printf("Yt %.3f Mbar: spall strength %.3f Yt normal to the rows, %.3f Yt along them\n", yt, normal, along);
+        printf("Yt %.3f Mbar: spall strength %.3f Yt normal to the rows, %.3f Yt along them\n", yt, normal,
+               along);
         CHECK_NEAR(normal, 1.0, 0.10);
         CHECK(along > 0.7 && along < 1.15);
     }
 }
 
-/* The metals of these tests are those of input/materials/, but for the tensile strength, which each test chooses. */
+/* The metals of these tests are those of input/materials/, but for the tensile strength, which each test
+ * chooses. */
 TEST(metals_are_those_of_the_library)
 {
-    static const char *const decks[] = {"input/plate-impact.dm2", "input/plate-impact.dm2", "input/heat-rod.dm2"};
-    struct impact k = {.flyer = "Ni", .target = "Al", .strength = "0.012", .dt = "0.01", .rows = {"30", "60"}, .v = 0.02};
+    static const char *const decks[] = {"input/plate-impact.dm2", "input/plate-impact.dm2",
+                                        "input/heat-rod.dm2"};
+    struct impact k = {
+        .flyer = "Ni", .target = "Al", .strength = "0.012", .dt = "0.01", .rows = {"30", "60"}, .v = 0.02};
     struct engine g;
     enter_source_tree();
     impact_start(&g, &k);
@@ -249,5 +277,6 @@ TEST(metals_are_those_of_the_library)
     engine_stop(&g);
 }
 
-TEST_MAIN(CASE(metals_are_those_of_the_library), CASE(shocks_travel_as_the_lasl_fits_say), CASE(nickel_on_aluminium_meets_the_matched_impedances),
+TEST_MAIN(CASE(metals_are_those_of_the_library), CASE(shocks_travel_as_the_lasl_fits_say),
+          CASE(nickel_on_aluminium_meets_the_matched_impedances),
           CASE(pull_back_of_the_free_surface_tells_the_strength))

@@ -12,8 +12,12 @@ static const uint8_t digest[STATE_DIGEST_BYTES] = {1, 2, 3, 0xff, 5};
 static enum dm2_status write_fake(const struct fake *f, const char *name)
 {
     struct dm2_error err = {0};
-    const struct state_view view = {.digest = digest, .step = 200, .elements = f->elements, .n_elements = f->n,
-                                    .pairs = f->pairs, .n_pairs = f->n_pairs};
+    const struct state_view view = {.digest = digest,
+                                    .step = 200,
+                                    .elements = f->elements,
+                                    .n_elements = f->n,
+                                    .pairs = f->pairs,
+                                    .n_pairs = f->n_pairs};
     enum dm2_status status = state_write(scratch_path(name), &view, &err);
     CHECK_STR(err.text, "");
     return status;

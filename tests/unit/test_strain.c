@@ -1,5 +1,6 @@
-/* The strain measure against motions whose strain is known: homogeneous deformation, rigid rotation, a stretch in many
- * steps against the logarithm, neighbours on one line; and the same bits on any number of ranks. */
+/* The strain measure against motions whose strain is known: homogeneous deformation, rigid rotation, a
+ * stretch in many steps against the logarithm, neighbours on one line; and the same bits on any number of
+ * ranks. */
 #include "engine_help.h"
 
 #include <math.h>
@@ -11,8 +12,8 @@ static const char SHEET[] = "domain { size = 0.8 0.8; r_c = 0.1; delta_r = 0.03 
                             "body sheet { shape = rectangle 0.1 0.1 0.7 0.7; spacing = 0.04; material = m }\n"
                             "output { strain = yes }\n";
 
-/* x = x0 + G x0 with the velocity G x0/dt: the state that a homogeneous motion reaches in one step. Positions are
- * about the centre; `from` and `to` are n x 2. */
+/* x = x0 + G x0 with the velocity G x0/dt: the state that a homogeneous motion reaches in one step. Positions
+ * are about the centre; `from` and `to` are n x 2. */
 static void move(const struct engine_state *s, const double g[2][2], double dt, const double *from)
 {
     for (size_t i = 0; i < s->n; i++) {
@@ -46,7 +47,8 @@ static void expected(const double g[2][2], double out[3])
     out[2] = 0.5 * (l[0][1] + l[1][0]);
 }
 
-static void check_strain(const struct engine_state *s, const double want[3], double tolerance, const char *what)
+static void check_strain(const struct engine_state *s, const double want[3], double tolerance,
+                         const char *what)
 {
     double worst = 0.0;
     for (size_t i = 0; i < s->n; i++)
@@ -120,12 +122,13 @@ TEST(many_small_steps_are_the_logarithm)
 
 TEST(neighbours_on_one_line_measure_nothing)
 {
-    static const char ROW[] = "domain { size = 0.8 0.2; r_c = 0.1; delta_r = 0.03 }\n"
-                              "time { dt = 0.01; steps = 50 }\n"
-                              "material m { rho0 = 8; c0 = 0.4; s = 1.4 }\n"
-                              "body row { shape = rectangle 0.1 0.1 0.7 0.12; spacing = 0.04; origin = 0 0.11;\n"
-                              "  material = m; jitter = 0.001 }\n"
-                              "output { strain = yes }\n";
+    static const char ROW[] =
+        "domain { size = 0.8 0.2; r_c = 0.1; delta_r = 0.03 }\n"
+        "time { dt = 0.01; steps = 50 }\n"
+        "material m { rho0 = 8; c0 = 0.4; s = 1.4 }\n"
+        "body row { shape = rectangle 0.1 0.1 0.7 0.12; spacing = 0.04; origin = 0 0.11;\n"
+        "  material = m; jitter = 0.001 }\n"
+        "output { strain = yes }\n";
     struct engine e;
     engine_start(&e, ROW, NULL, 1);
     engine_run(&e, 20);
@@ -138,16 +141,17 @@ TEST(neighbours_on_one_line_measure_nothing)
 }
 
 /* A sheet that flies apart over a periodic seam, elements changing owner. */
-static const char SEAM[] = "domain { size = 1.2 0.52; r_c = 0.1; delta_r = 0.02; boundary = periodic free;\n"
-                           "  rebuild_every = 3 }\n"
-                           "time { dt = 0.02; steps = 60 }\n"
-                           "material m { rho0 = 8; c0 = 0.4; s = 1.4; tensile = 0.01 }\n"
-                           "interaction { link_break = 1.05 }\n"
-                           "body a { shape = rectangle 0 0.05 1.2 0.25; spacing = 0.04; material = m;\n"
-                           "  velocity = 0.03 0.02; jitter = 0.02 }\n"
-                           "body b { shape = rectangle 0.3 0.3 0.9 0.5; spacing = 0.04; origin = 0 0.3; material = m;\n"
-                           "  velocity = -0.05 -0.02 }\n"
-                           "output { strain = yes }\n";
+static const char SEAM[] =
+    "domain { size = 1.2 0.52; r_c = 0.1; delta_r = 0.02; boundary = periodic free;\n"
+    "  rebuild_every = 3 }\n"
+    "time { dt = 0.02; steps = 60 }\n"
+    "material m { rho0 = 8; c0 = 0.4; s = 1.4; tensile = 0.01 }\n"
+    "interaction { link_break = 1.05 }\n"
+    "body a { shape = rectangle 0 0.05 1.2 0.25; spacing = 0.04; material = m;\n"
+    "  velocity = 0.03 0.02; jitter = 0.02 }\n"
+    "body b { shape = rectangle 0.3 0.3 0.9 0.5; spacing = 0.04; origin = 0 0.3; material = m;\n"
+    "  velocity = -0.05 -0.02 }\n"
+    "output { strain = yes }\n";
 
 TEST(the_same_bits_on_any_number_of_ranks)
 {
@@ -176,13 +180,15 @@ TEST(the_same_bits_on_any_number_of_ranks)
 
 TEST(without_linked_or_touching_pairs_it_is_refused)
 {
-    struct loaded deck = load_text("domain { size = 20 20; r_c = 2.5; delta_r = 0.25 }\n"
-                                   "time { dt = 0.005; steps = 10 }\n"
-                                   "material atom { mass = 1 }\n"
-                                   "interaction { potential = lennard-jones; scope = all; epsilon = 1; sigma = 0.9;\n"
-                                   "  linked = no }\n"
-                                   "body sheet { shape = rectangle 1 1 9 9; spacing = 1; material = atom }\n"
-                                   "output { strain = yes }\n", NULL, -1);
+    struct loaded deck =
+        load_text("domain { size = 20 20; r_c = 2.5; delta_r = 0.25 }\n"
+                  "time { dt = 0.005; steps = 10 }\n"
+                  "material atom { mass = 1 }\n"
+                  "interaction { potential = lennard-jones; scope = all; epsilon = 1; sigma = 0.9;\n"
+                  "  linked = no }\n"
+                  "body sheet { shape = rectangle 1 1 9 9; spacing = 1; material = atom }\n"
+                  "output { strain = yes }\n",
+                  NULL, -1);
     struct model *model;
     struct dm2_error err = {0};
     CHECK_EQ_INT(deck.status, DM2_OK);

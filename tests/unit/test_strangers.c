@@ -1,5 +1,5 @@
-/* A server with a key, in a process of its own, and every kind of stranger: it serves the next friend, says the same to
- * all of them, and keeps neither memory nor descriptors. */
+/* A server with a key, in a process of its own, and every kind of stranger: it serves the next friend, says
+ * the same to all of them, and keeps neither memory nor descriptors. */
 #include "check.h"
 
 #include <dirent.h>
@@ -17,7 +17,6 @@
 #include "dm2/cluster/messages.h"
 #include "dm2/cluster/server.h"
 #include "cluster/lobby.h"
-
 
 static const double HANDSHAKE = 2;
 static const struct auth_key KEY = {{1, 2, 3}}, OTHER = {{1, 2, 4}};
@@ -46,10 +45,15 @@ static void start_server(int descriptors)
     (void)fflush(NULL);
     server_id = fork();
     if (server_id == 0) {
-        const struct server_options options = {
-            .deck_dir = ".", .version = "test", .handshake = HANDSHAKE, .timeout = 5, .cancel = -1, .key = &KEY};
+        const struct server_options options = {.deck_dir = ".",
+                                               .version = "test",
+                                               .handshake = HANDSHAKE,
+                                               .timeout = 5,
+                                               .cancel = -1,
+                                               .key = &KEY};
         struct dm2_error err = {0};
-        const struct rlimit most = {(rlim_t)(listener + 1 + descriptors), (rlim_t)(listener + 1 + descriptors)};
+        const struct rlimit most = {(rlim_t)(listener + 1 + descriptors),
+                                    (rlim_t)(listener + 1 + descriptors)};
         if (descriptors > 0 && setrlimit(RLIMIT_NOFILE, &most) != 0)
             _exit(1);
         socket_ignore_sigpipe();
@@ -160,7 +164,8 @@ static bool is_served(struct channel *ch)
            channel_receive(ch, LIMIT_SMALL, soon(), &f, NULL) == DM2_OK && f.type == MESSAGE_ECHO;
 }
 
-/* Returns the descriptors that the server has while it serves a friend: whatever was before is closed then. */
+/* Returns the descriptors that the server has while it serves a friend: whatever was before is closed then.
+ */
 static int visit(void)
 {
     struct channel ch = begin_session();
@@ -212,7 +217,8 @@ static size_t refusal(unsigned char *out, size_t n)
     return got > 0 ? (size_t)got : 0;
 }
 
-/* These bytes, then the end of the stream: the answer is the refusal, or nothing where the stream was cut short. */
+/* These bytes, then the end of the stream: the answer is the refusal, or nothing where the stream was cut
+ * short. */
 static void is_refused(const void *bytes, size_t n, bool answered)
 {
     unsigned char want[256], got[256];
@@ -276,8 +282,8 @@ TEST(slow_strangers_are_cut_off)
     (void)visit();
 }
 
-/* More of those who say nothing than find room: they are sent away, the friend behind them has his turn, and nothing of them
- * stays. */
+/* More of those who say nothing than find room: they are sent away, the friend behind them has his turn, and
+ * nothing of them stays. */
 TEST(a_silent_crowd_is_sent_away)
 {
     enum { CROWD = 2 * LOBBY_MOST + 8 };
@@ -295,8 +301,8 @@ TEST(a_silent_crowd_is_sent_away)
     CHECK_EQ_INT(visit(), fds);
 }
 
-/* While a session lasts those who look like clients keep out neither who asks for the status nor a friend, and lose their places
- * where they say no more or close. */
+/* While a session lasts those who look like clients keep out neither who asks for the status nor a friend,
+ * and lose their places where they say no more or close. */
 TEST(a_crowd_does_not_silence_a_busy_server)
 {
     const struct frame_header h = {.version = PROTOCOL_VERSION, .type = MESSAGE_KNOCK, .length = AUTH_NONCE};
@@ -382,7 +388,8 @@ TEST(a_recorded_handshake_is_refused)
     (void)visit();
 }
 
-/* Who asks for the status and who wants a session prove the key in different words: one cannot be made of the other. */
+/* Who asks for the status and who wants a session prove the key in different words: one cannot be made of the
+ * other. */
 TEST(a_code_for_another_purpose_is_refused)
 {
     for (int k = 0; k < 2; k++) {
@@ -390,7 +397,8 @@ TEST(a_code_for_another_purpose_is_refused)
         unsigned char code[AUTH_CODE];
         struct channel ch;
         channel_open(&ch, connected(), PROTOCOL_VERSION, "the server");
-        CHECK_EQ_INT(channel_send(&ch, k == 0 ? MESSAGE_STATUS : MESSAGE_KNOCK, 0, nonces.client, AUTH_NONCE, soon(), NULL),
+        CHECK_EQ_INT(channel_send(&ch, k == 0 ? MESSAGE_STATUS : MESSAGE_KNOCK, 0, nonces.client, AUTH_NONCE,
+                                  soon(), NULL),
                      DM2_OK);
         CHECK(take(&ch, MESSAGE_CHALLENGE, nonces.server, AUTH_NONCE));
         auth_code(&KEY, k == 0 ? AUTH_CLIENT : AUTH_ASKER, PROTOCOL_VERSION, &nonces, code);

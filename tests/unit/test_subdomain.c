@@ -1,7 +1,7 @@
-/* The engine's search, sums and exchange against the plainest program that does the same: all pairs, a full matrix of
- * pair memories, sums in floating point; and any number of ranks against one, bit for bit. The random states have
- * elements outside the grid, on cell edges, with coincident coordinates in one axis, in domains one cell wide, and
- * across periodic sides. */
+/* The engine's search, sums and exchange against the plainest program that does the same: all pairs, a full
+ * matrix of pair memories, sums in floating point; and any number of ranks against one, bit for bit. The
+ * random states have elements outside the grid, on cell edges, with coincident coordinates in one axis, in
+ * domains one cell wide, and across periodic sides. */
 #include "engine_help.h"
 
 #include "dm2/base/random.h"
@@ -16,7 +16,8 @@ static const char near_deck[] =
     "time { dt = 0.02; steps = 100 }\n"
     "material A { mass = 1; tm = 900; cp = 0.01; kappa = 0.1; yield = 2; tensile = 3 }\n"
     "material B { mass = 2; tm = 700; cp = 0.02; kappa = 0.2; yield = 1; tensile = 4 }\n"
-    "interaction { potential = morse; k = 40; shape = 3; zeta = 0.1; ct_ratio = 0.02; kt_ratio = 0.3; mu = 0.4\n"
+    "interaction { potential = morse; k = 40; shape = 3; zeta = 0.1; ct_ratio = 0.02; kt_ratio = 0.3; mu = "
+    "0.4\n"
     "              link_form = 0.92; link_break = 1.1; a_p = 0.1; a_t = 0.0001 }\n"
     "interaction A B { potential = quadratic; zeta = 0.05 }\n"
     "body a { shape = rectangle 0 0 1 1; spacing = 0.9; origin = 0.1 0.1; material = A }\n"
@@ -28,7 +29,8 @@ static const char far_deck[] =
     "domain { size = w h; r_c = 2.5; delta_r = 0.3; PERIODIC search = SEARCH }\n"
     "time { dt = 0.004; steps = 100 }\n"
     "material A { mass = 1 }\n"
-    "interaction { potential = lennard-jones; scope = all; epsilon = 1; sigma = 0.9; cutoff = 2.5; linked = no }\n"
+    "interaction { potential = lennard-jones; scope = all; epsilon = 1; sigma = 0.9; cutoff = 2.5; linked = "
+    "no }\n"
     "body a { shape = rectangle 0 0 1 1; spacing = 1; origin = 0.1 0.1; material = A }\n";
 
 static void replace(char *text, size_t size, const char *word, const char *by)
@@ -57,7 +59,8 @@ static const struct shape_case near_shapes[] = {
     {"three cells around", "w=4.9", "h=16.1", "boundary = periodic free;", 9},
 };
 
-static void load(struct engine *g, const char *deck, const struct shape_case *shape, const char *search, int ranks)
+static void load(struct engine *g, const char *deck, const struct shape_case *shape, const char *search,
+                 int ranks)
 {
     char text[2000];
     const char *defines[] = {shape->w, shape->h, NULL};
@@ -72,9 +75,10 @@ static double uniform(uint64_t seed, uint64_t id, uint64_t what)
     return random_uniform(seed, id, 1000 + what);
 }
 
-/* Random elements, about `density` per square length; a tenth each on a cell edge, on the line of the one before,
- * and (where the side is open) outside the grid. No two closer than `apart`. */
-static struct engine_state random_state(const struct engine *g, uint64_t seed, double density, double apart, double speed)
+/* Random elements, about `density` per square length; a tenth each on a cell edge, on the line of the one
+ * before, and (where the side is open) outside the grid. No two closer than `apart`. */
+static struct engine_state random_state(const struct engine *g, uint64_t seed, double density, double apart,
+                                        double speed)
 {
     const struct grid *grid = &g->parts.grid;
     const struct config *c = &g->deck.config;
@@ -83,13 +87,16 @@ static struct engine_state random_state(const struct engine *g, uint64_t seed, d
     s.e = calloc(wanted, sizeof *s.e);
     while (s.n < wanted && tries++ < 100 * wanted) {
         size_t body = c->n_bodies > 1 && uniform(seed, tries, 0) < 0.5 ? 1 : 0;
-        struct element e = {.id = (uint32_t)s.n, .body = (uint16_t)body, .grain = (uint32_t)body,
+        struct element e = {.id = (uint32_t)s.n,
+                            .body = (uint16_t)body,
+                            .grain = (uint32_t)body,
                             .kind = (uint16_t)(c->n_materials > 1 && uniform(seed, tries, 1) < 0.5 ? 1 : 0),
                             .radius = c->bodies[body].radius};
         e.mass = c->materials[e.kind].mass;
         e.heat = uniform(seed, tries, 11) * 0.01;
         for (int a = 0; a < 2; a++) {
-            double low = grid->periodic[a] ? 0.0 : -0.1, u = low + (1.0 - 2.0 * low) * uniform(seed, tries, 2 + (uint64_t)a);
+            double low = grid->periodic[a] ? 0.0 : -0.1,
+                   u = low + (1.0 - 2.0 * low) * uniform(seed, tries, 2 + (uint64_t)a);
             double edge = a == 0 ? grid->lx : grid->ly, what = uniform(seed, tries, 4 + (uint64_t)a);
             e.r[a] = grid->origin[a] + u * grid->size[a];
             if (what < 0.1)
@@ -115,7 +122,7 @@ static struct engine_state random_state(const struct engine *g, uint64_t seed, d
     return s;
 }
 
-/* --- the plain program ------------------------------------------------------------------------------------------- */
+/* --- the plain program --- */
 
 struct plain {
     const struct model *m;
@@ -124,7 +131,7 @@ struct plain {
     struct pair_state *pair; /* [n][n], i < j */
     double (*sum)[7];        /* force, damping force, torque and its damping part, heat */
     uint32_t *contacts, *links;
-    double *virial; /* [n][3] */
+    double *virial;      /* [n][3] */
     double (*around)[4]; /* sum of r (x) r and number of the pairs that touch or are linked */
     int64_t step;
 };
@@ -159,8 +166,8 @@ static double plain_temperature(const struct plain *p, const struct element *e)
     return isfinite(kind->cp) ? kind->t0 + e->heat / (e->mass * kind->cp) : kind->t0;
 }
 
-static void plain_add(struct plain *p, size_t i, const double f[2], const double d[2], double torque, double damped,
-                      double heat)
+static void plain_add(struct plain *p, size_t i, const double f[2], const double d[2], double torque,
+                      double damped, double heat)
 {
     const double all[7] = {f[0], f[1], d[0], d[1], torque, damped, heat};
     for (int k = 0; k < 7; k++)
@@ -175,7 +182,8 @@ static void plain_pair(struct plain *p, size_t i, size_t j, double dt_kick, doub
     for (int k = 0; k < 2; k++)
         d[k] = lists_wrap(a->r[k] - b->r[k], grid->periodic[k] ? grid->size[k] : 0.0,
                           grid->periodic[k] ? 0.5 * grid->size[k] : INFINITY);
-    const struct pair_law *law = model_law(p->m, a->kind, b->kind, relation_of(a->body, a->grain, b->body, b->grain));
+    const struct pair_law *law =
+        model_law(p->m, a->kind, b->kind, relation_of(a->body, a->grain, b->body, b->grain));
     double r = sqrt(d[0] * d[0] + d[1] * d[1]), n[2] = {d[0] / r, d[1] / r};
     if (law->scope == SCOPE_ALL) { /* f = 24 eps/r (2 (s/r)^12 - (s/r)^6) with eps = 1, s = 0.9 */
         double q = pow(0.9 / r, 6.0), force = r <= 2.5 ? 24.0 / r * (2.0 * q * q - q) : 0.0;
@@ -187,11 +195,20 @@ static void plain_pair(struct plain *p, size_t i, size_t j, double dt_kick, doub
         plain_add(p, j, f, (double[2]){0.0, 0.0}, 0.0, 0.0, 0.0);
         return;
     }
-    struct pair_view view = {.r = r, .over_r = 1.0 / r, .radius_i = a->radius, .radius_j = b->radius,
+    struct pair_view view = {.r = r,
+                             .over_r = 1.0 / r,
+                             .radius_i = a->radius,
+                             .radius_j = b->radius,
                              .vn = (a->v[0] - b->v[0]) * n[0] + (a->v[1] - b->v[1]) * n[1],
                              .vt = (a->v[1] - b->v[1]) * n[0] - (a->v[0] - b->v[0]) * n[1],
-                             .w_i = a->w, .w_j = b->w, .mass_i = a->mass, .mass_j = b->mass,
-                             .t_i = plain_temperature(p, a), .t_j = plain_temperature(p, b), .p_i = a->p, .p_j = b->p};
+                             .w_i = a->w,
+                             .w_j = b->w,
+                             .mass_i = a->mass,
+                             .mass_j = b->mass,
+                             .t_i = plain_temperature(p, a),
+                             .t_j = plain_temperature(p, b),
+                             .p_i = a->p,
+                             .p_j = b->p};
     view.soft_i = particles_softening(&p->m->kinds[a->kind], view.t_i);
     view.soft_j = particles_softening(&p->m->kinds[b->kind], view.t_j);
     struct pair_effect e;
@@ -242,7 +259,8 @@ static void plain_move(struct plain *p)
         double dv[2] = {s[0] / e->mass * kick, s[1] / e->mass * kick};
         double dw = s[4] / (0.5 * e->mass * e->radius * e->radius) * kick;
         const double *m = p->around[i]; /* six neighbours strain the hexagonal cell */
-        double area = m[3] == 6.0 ? sqrt((m[0] * m[1] - m[2] * m[2]) / 12.0) : 2.0 * sqrt(3.0) * e->radius * e->radius;
+        double area =
+            m[3] == 6.0 ? sqrt((m[0] * m[1] - m[2] * m[2]) / 12.0) : 2.0 * sqrt(3.0) * e->radius * e->radius;
         if (p->m->has_pressure)
             e->p = 0.25 * (p->virial[3 * i] + p->virial[3 * i + 1]) / area;
         e->heat += s[6] - 0.5 * kick * (s[2] * dv[0] + s[3] * dv[1] + s[5] * dw);
@@ -269,22 +287,26 @@ static void compare(struct engine *g, const struct plain *p, const char *what)
         wrong += s.m[i].contacts != p->contacts[i] || s.m[i].links != p->links[i];
         links += p->links[i];
         for (int a = 0; a < 2; a++) {
-            double apart = fabs(lists_wrap(s.e[i].r[a] - p->e[i].r[a], g->parts.grid.periodic[a] ? g->parts.grid.size[a] : 0.0,
-                                           g->parts.grid.periodic[a] ? 0.5 * g->parts.grid.size[a] : INFINITY));
+            double apart = fabs(lists_wrap(
+                s.e[i].r[a] - p->e[i].r[a], g->parts.grid.periodic[a] ? g->parts.grid.size[a] : 0.0,
+                g->parts.grid.periodic[a] ? 0.5 * g->parts.grid.size[a] : INFINITY));
             worst = apart > worst ? apart : worst;
         }
-        double off = fabs(s.e[i].w - p->e[i].w) + fabs(s.e[i].heat - p->e[i].heat) + fabs(s.e[i].v[0] - p->e[i].v[0]);
+        double off =
+            fabs(s.e[i].w - p->e[i].w) + fabs(s.e[i].heat - p->e[i].heat) + fabs(s.e[i].v[0] - p->e[i].v[0]);
         worst = off > worst ? off : worst;
     }
-    CHECK_REPORT(wrong == 0, "%s, step %lld: contacts or links of %zu elements differ", what, (long long)p->step, wrong);
+    CHECK_REPORT(wrong == 0, "%s, step %lld: contacts or links of %zu elements differ", what,
+                 (long long)p->step, wrong);
     CHECK_REPORT(worst < 1e-9, "%s, step %lld: state off by %g", what, (long long)p->step, worst);
     if (p->m->has_near)
-        CHECK_REPORT(s.n_pairs >= links / 2, "%s: %zu pairs with memory, %zu linked", what, s.n_pairs, links / 2);
+        CHECK_REPORT(s.n_pairs >= links / 2, "%s: %zu pairs with memory, %zu linked", what, s.n_pairs,
+                     links / 2);
     engine_state_free(&s);
 }
 
-static void against_plain(const char *deck, const struct shape_case *shape, const char *search, int ranks, double density,
-                          double apart, double speed)
+static void against_plain(const char *deck, const struct shape_case *shape, const char *search, int ranks,
+                          double density, double apart, double speed)
 {
     struct engine g;
     struct plain p;
@@ -313,16 +335,19 @@ TEST(near_pairs_as_all_pairs_find_them)
     for (size_t k = 0; k < sizeof near_shapes / sizeof near_shapes[0]; k++) {
         against_plain(near_deck, &near_shapes[k], "cells+lists", 1, 1.2, 0.75, 1.5);
         against_plain(near_deck, &near_shapes[k], "lists", 1, 1.2, 0.75, 1.5);
-        against_plain(near_deck, &near_shapes[k], "cells", near_shapes[k].ranks_max > 2 ? 3 : 1, 1.2, 0.75, 1.5);
-        against_plain(near_deck, &near_shapes[k], "cells+lists", near_shapes[k].ranks_max > 2 ? 2 : 1, 1.2, 0.75, 1.5);
+        against_plain(near_deck, &near_shapes[k], "cells", near_shapes[k].ranks_max > 2 ? 3 : 1, 1.2, 0.75,
+                      1.5);
+        against_plain(near_deck, &near_shapes[k], "cells+lists", near_shapes[k].ranks_max > 2 ? 2 : 1, 1.2,
+                      0.75, 1.5);
     }
 }
 
 TEST(far_pairs_as_all_pairs_find_them)
 {
-    static const struct shape_case shapes[] = {{"square", "w=11.5", "h=14.3", "", 9},
-                                               {"periodic", "w=11.5", "h=14.3", "boundary = periodic periodic;", 9},
-                                               {"one cell wide", "w=3", "h=30", "", 9}};
+    static const struct shape_case shapes[] = {
+        {"square", "w=11.5", "h=14.3", "", 9},
+        {"periodic", "w=11.5", "h=14.3", "boundary = periodic periodic;", 9},
+        {"one cell wide", "w=3", "h=30", "", 9}};
     for (size_t k = 0; k < sizeof shapes / sizeof shapes[0]; k++) {
         against_plain(far_deck, &shapes[k], "cells+lists", 1, 0.7, 0.85, 3.0);
         against_plain(far_deck, &shapes[k], "cells+lists", 4, 0.7, 0.85, 3.0);
@@ -330,9 +355,10 @@ TEST(far_pairs_as_all_pairs_find_them)
     }
 }
 
-/* --- one rank against many ---------------------------------------------------------------------------------------- */
+/* --- one rank against many --- */
 
-static void ranks_agree(const char *deck, const struct shape_case *shape, double density, double apart, double speed)
+static void ranks_agree(const char *deck, const struct shape_case *shape, double density, double apart,
+                        double speed)
 {
     static const int counts[] = {2, 3, 5, 8, 9};
     struct engine one;
@@ -351,10 +377,12 @@ static void ranks_agree(const char *deck, const struct shape_case *shape, double
         engine_run(&many, 90);
         struct engine_state got = engine_collect(&many, false);
         engine_check_same(&got, &want, what);
-        CHECK_REPORT(many.migrants >= (counts[c] < 5 ? 3 : 10), "%s: %zu elements migrated", what, many.migrants);
-        /* mirrors are a step behind where they are surveyed, so a rebuild may come sooner, or later for that */
-        CHECK_REPORT(many.rebuilds + 2 >= one.rebuilds && many.rebuilds <= one.rebuilds + 2, "%s: %zu rebuilds, one rank: %zu", what,
-                     many.rebuilds, one.rebuilds);
+        CHECK_REPORT(many.migrants >= (counts[c] < 5 ? 3 : 10), "%s: %zu elements migrated", what,
+                     many.migrants);
+        /* mirrors are a step behind where they are surveyed, so a rebuild may come sooner, or later for that
+         */
+        CHECK_REPORT(many.rebuilds + 2 >= one.rebuilds && many.rebuilds <= one.rebuilds + 2,
+                     "%s: %zu rebuilds, one rank: %zu", what, many.rebuilds, one.rebuilds);
         engine_state_free(&got);
         engine_stop(&many);
     }
@@ -367,24 +395,27 @@ TEST(any_number_of_ranks_gives_the_same_bits)
 {
     for (size_t k = 0; k < sizeof near_shapes / sizeof near_shapes[0]; k++)
         ranks_agree(near_deck, &near_shapes[k], 1.2, 0.75, 2.5);
-    static const struct shape_case far = {"far, periodic", "w=14.3", "h=14.3", "boundary = periodic periodic;", 9};
+    static const struct shape_case far = {"far, periodic", "w=14.3", "h=14.3",
+                                          "boundary = periodic periodic;", 9};
     ranks_agree(far_deck, &far, 0.7, 0.85, 10.0);
 }
 
-/* --- memory of pairs ---------------------------------------------------------------------------------------------- */
+/* --- memory of pairs --- */
 
-/* Elements that fly as one never come closer: nothing is rebuilt, however far they go and through whichever boundary; one
- * that meets them is found. */
+/* Elements that fly as one never come closer: nothing is rebuilt, however far they go and through whichever
+ * boundary; one that meets them is found. */
 TEST(motion_as_a_whole_needs_no_rebuild)
 {
-    static const struct shape_case shape = {"periodic", "w=14.3", "h=14.3", "boundary = periodic periodic;", 9};
+    static const struct shape_case shape = {"periodic", "w=14.3", "h=14.3", "boundary = periodic periodic;",
+                                            9};
     for (int ranks = 1; ranks <= 9; ranks += 8) {
         struct engine g;
         load(&g, far_deck, &shape, "cells+lists", ranks);
         double radius = g.deck.config.bodies[0].radius, dt = g.deck.config.dt;
-        struct element e[3] = {{.id = 0, .radius = radius, .mass = 1, .r = {1, 2}, .v = {0.0203 / dt, 0.016 / dt}},
-                               {.id = 1, .radius = radius, .mass = 1, .r = {9, 2}, .v = {0.0203 / dt, 0.016 / dt}},
-                               {.id = 2, .radius = radius, .mass = 1, .r = {5, 9}, .v = {0.0203 / dt, 0.016 / dt}}};
+        struct element e[3] = {
+            {.id = 0, .radius = radius, .mass = 1, .r = {1, 2}, .v = {0.0203 / dt, 0.016 / dt}},
+            {.id = 1, .radius = radius, .mass = 1, .r = {9, 2}, .v = {0.0203 / dt, 0.016 / dt}},
+            {.id = 2, .radius = radius, .mass = 1, .r = {5, 9}, .v = {0.0203 / dt, 0.016 / dt}}};
         struct engine_state s = {.e = e, .n = 3};
         engine_restore(&g, 1, &s);
         engine_run(&g, 500); /* 10 cm */
@@ -398,8 +429,8 @@ TEST(motion_as_a_whole_needs_no_rebuild)
     }
 }
 
-/* Two linked elements whose pair has a stretch and a spring fly through every rank: the memory stays theirs. Far
- * beyond the reach of contact the link alone keeps the pair. */
+/* Two linked elements whose pair has a stretch and a spring fly through every rank: the memory stays theirs.
+ * Far beyond the reach of contact the link alone keeps the pair. */
 TEST(pair_memory_travels_with_migrants)
 {
     struct engine g;
@@ -411,7 +442,8 @@ TEST(pair_memory_travels_with_migrants)
     replace(text, sizeof text, "k = 40;", "k = 1e-9;"); /* too soft to do anything in this time */
     replace(text, sizeof text, "link_break = 1.1", "link_break = 1.4");
     replace(text, sizeof text, "r_c = 1.3", "r_c = 1.6");
-    replace(text, sizeof text, "delta_r = 0.3", "delta_r = 0.3; rebuild_every = 3"); /* their motion alone, as one, asks for none */
+    replace(text, sizeof text, "delta_r = 0.3",
+            "delta_r = 0.3; rebuild_every = 3"); /* their motion alone, as one, asks for none */
     const char *defines[] = {shape.w, shape.h, NULL};
     engine_load(&g, text, defines, 9);
     double radius = g.deck.config.bodies[0].radius;
@@ -442,7 +474,7 @@ TEST(pair_memory_travels_with_migrants)
     engine_stop(&g);
 }
 
-/* --- the range of the sums ---------------------------------------------------------------------------------------- */
+/* --- the range of the sums --- */
 
 TEST(a_force_out_of_range_names_the_elements_and_the_step)
 {
@@ -478,5 +510,5 @@ TEST(a_force_out_of_range_names_the_elements_and_the_step)
 }
 
 TEST_MAIN(CASE(near_pairs_as_all_pairs_find_them), CASE(far_pairs_as_all_pairs_find_them),
-          CASE(any_number_of_ranks_gives_the_same_bits), CASE(motion_as_a_whole_needs_no_rebuild), CASE(pair_memory_travels_with_migrants),
-          CASE(a_force_out_of_range_names_the_elements_and_the_step))
+          CASE(any_number_of_ranks_gives_the_same_bits), CASE(motion_as_a_whole_needs_no_rebuild),
+          CASE(pair_memory_travels_with_migrants), CASE(a_force_out_of_range_names_the_elements_and_the_step))

@@ -24,8 +24,7 @@ static struct measures measured_step(struct engine *g)
     return m;
 }
 
-/* --- heat
- * ------------------------------------------------------------------------------------------------------- */
+/* --- heat --- */
 
 #define COPPER                                                                                               \
     "material Cu { rho0 = 8.93; c0 = 0.394; s = 1.489; cp = 3.83e-6; kappa = kappa }\n"                      \
@@ -139,8 +138,7 @@ TEST(a_step_beyond_the_thermal_limit_is_refused)
                   "limit: heat conduction");
 }
 
-/* --- phases
- * ------------------------------------------------------------------------------------------------------ */
+/* --- phases --- */
 
 #define TIN                                                                                                  \
     "let d = 0.04\n"                                                                                         \
@@ -284,7 +282,8 @@ TEST(the_energy_account_of_a_transition_closes)
     CHECK(drift[1] < 0.6 * drift[0]);
 }
 
-/* 1 - ((T - T0)/(Tm - T0))^n with T0 = 300 K and Tm = 1300 K, worked out by hand; 1 at and below T0, 0 from Tm on. */
+/* 1 - ((T - T0)/(Tm - T0))^n with T0 = 300 K and Tm = 1300 K, worked out by hand; 1 at and below T0, 0 from
+ * Tm on. */
 TEST(softening_with_temperature)
 {
     static const double t[] = {0.0, 299.0, 300.0, 340.0, 390.0, 550.0, 940.0, 1299.0, 1300.0, 1301.0, 1e5};
@@ -305,8 +304,7 @@ TEST(softening_with_temperature)
     }
 }
 
-/* --- reaction
- * ---------------------------------------------------------------------------------------------------- */
+/* --- reaction --- */
 
 #define METALS                                                                                               \
     "material Ni { rho0 = 8.874; c0 = 0.4602; s = 1.437; shear = 0.855; yield = 0.0014; tensile = 0.02; cp " \
@@ -346,15 +344,15 @@ static double freed(const char *start)
 {
     const char *defines[] = {start, NULL};
     struct engine g;
-    engine_start(&g,
-                 METALS
-                 "let start = 600\n"
-                 "domain { size = 0.8, 0.8; r_c = 0.06; delta_r = 0.01 }\ntime { dt = 0.01; steps = 10 }\n"
-                 "reaction r { reactants = Ni Al; product = NiAl; kind = non-stoichiometric; k0 = 10; ea = 60 "
-                 "kJ/mol\n             heat = 1.54 kJ/g }\n"
-                 "body a { shape = rectangle 0, 0, 0.8, 0.8; spacing = 0.04; radius = 0.0201; mix = Ni 0.5, "
-                 "Al 0.5\n         motion = fixed; temperature = start }\n",
-                 defines, 2);
+    engine_start(
+        &g,
+        METALS "let start = 600\n"
+               "domain { size = 0.8, 0.8; r_c = 0.06; delta_r = 0.01 }\ntime { dt = 0.01; steps = 10 }\n"
+               "reaction r { reactants = Ni Al; product = NiAl; kind = non-stoichiometric; k0 = 10; ea = 60 "
+               "kJ/mol\n             heat = 1.54 kJ/g }\n"
+               "body a { shape = rectangle 0, 0, 0.8, 0.8; spacing = 0.04; radius = 0.0201; mix = Ni 0.5, "
+               "Al 0.5\n         motion = fixed; temperature = start }\n",
+        defines, 2);
     struct measures m = measured_step(&g);
     double before = energy_of(&g, &m.chemical);
     m = measured_step(&g);
@@ -366,8 +364,8 @@ static double freed(const char *start)
 TEST(a_mixture_reacts_as_arrhenius_says)
 {
     double cold = freed("start=600"), hot = freed("start=900"), r = 8.31446261815324;
-    printf("freed in a step: %.6g at 600 K, %.6g at 900 K, ratio %.6g, Arrhenius %.6g\n", cold, hot, hot / cold,
-           exp(60e3 / r * (1.0 / 600.0 - 1.0 / 900.0)));
+    printf("freed in a step: %.6g at 600 K, %.6g at 900 K, ratio %.6g, Arrhenius %.6g\n", cold, hot,
+           hot / cold, exp(60e3 / r * (1.0 / 600.0 - 1.0 / 900.0)));
     CHECK(cold > 0.0);
     CHECK_NEAR_REL(hot / cold, exp(60e3 / r * (1.0 / 600.0 - 1.0 / 900.0)), 1e-6);
 }
@@ -429,16 +427,18 @@ TEST(complete_conversion_gives_the_adiabatic_temperature)
     engine_stop(&g);
 }
 
-/* What an evaluation says that it converted against what the elements lose when it is applied, and both against the rates
- * of the pairs: nickel, aluminium and a mixture, each touching both others. The mixture reacts both ways. */
+/* What an evaluation says that it converted against what the elements lose when it is applied, and both
+ * against the rates of the pairs: nickel, aluminium and a mixture, each touching both others. The mixture
+ * reacts both ways. */
 TEST(converted_masses_are_lost_by_the_shares)
 {
-    static const double at[3][2] = {{0.18, 0.2}, {0.219, 0.2}, {0.199, 0.233}}, begin[3][2] = {{1, 0}, {0, 1}, {0.5, 0.3}};
-    static const char deck[] =
-        METALS "domain { size = 0.4, 0.4; r_c = 0.06; delta_r = 0.01 }\ntime { dt = 0.01; steps = 1 }\n"
-               "reaction r { reactants = Ni Al; product = NiAl; masses = 58.693, 26.982; k0 = 1e4; ea = 60 kJ/mol\n"
-               "             heat = 1.54 kJ/g }\n"
-               "body a { shape = disc 0.2, 0.2, 0.01; spacing = 0.04; origin = 0.2, 0.2; material = Ni }\n";
+    static const double at[3][2] = {{0.18, 0.2}, {0.219, 0.2}, {0.199, 0.233}},
+                        begin[3][2] = {{1, 0}, {0, 1}, {0.5, 0.3}};
+    static const char deck[] = METALS
+        "domain { size = 0.4, 0.4; r_c = 0.06; delta_r = 0.01 }\ntime { dt = 0.01; steps = 1 }\n"
+        "reaction r { reactants = Ni Al; product = NiAl; masses = 58.693, 26.982; k0 = 1e4; ea = 60 kJ/mol\n"
+        "             heat = 1.54 kJ/g }\n"
+        "body a { shape = disc 0.2, 0.2, 0.01; spacing = 0.04; origin = 0.2, 0.2; material = Ni }\n";
     struct engine g;
     engine_load(&g, deck, NULL, 1);
     const struct model *m = g.model;
@@ -453,8 +453,13 @@ TEST(converted_masses_are_lost_by_the_shares)
     p.n = p.n_own = 3;
     for (size_t i = 0; i < 3; i++) {
         mass[i] = (double)(i + 1) * 0.004;
-        struct element e = {.id = (uint32_t)i, .kind = (uint16_t)(i < 2 ? i : 0), .was = (uint16_t)(i < 2 ? i : 0),
-                            .radius = 0.02, .mass = mass[i], .r = {at[i][0], at[i][1]}, .share = {begin[i][0], begin[i][1]}};
+        struct element e = {.id = (uint32_t)i,
+                            .kind = (uint16_t)(i < 2 ? i : 0),
+                            .was = (uint16_t)(i < 2 ? i : 0),
+                            .radius = 0.02,
+                            .mass = mass[i],
+                            .r = {at[i][0], at[i][1]},
+                            .share = {begin[i][0], begin[i][1]}};
         particles_put(&p, m, i, &e);
         p.heat[i] = mass[i] * particles_heat_capacity(&p, m, i) * (temperature - 300.0);
         heat[i] = p.heat[i];
@@ -463,8 +468,9 @@ TEST(converted_masses_are_lost_by_the_shares)
     for (int i = 0; i < 3; i++) { /* A of i with B of j */
         for (int j = 0; j < 3; j++) {
             double got[2];
-            reaction_rate(x, (struct reaction_side){mass[i], begin[i][0]}, (struct reaction_side){mass[j], begin[j][1]},
-                          temperature, 0.04 / sqrt(3.0), 0.01, got);
+            reaction_rate(x, (struct reaction_side){mass[i], begin[i][0]},
+                          (struct reaction_side){mass[j], begin[j][1]}, temperature, 0.04 / sqrt(3.0), 0.01,
+                          got);
             want[i][0] += i != j ? got[0] : 0.0;
             want[j][1] += i != j ? got[1] : 0.0;
         }
@@ -609,16 +615,17 @@ static void check_ranks(const char *deck, const char *what, const int *ranks, si
 TEST(no_element_outgrows_the_bound)
 {
     struct engine g;
-    engine_load(&g,
-                METALS
-                "domain { size = 0.8, 0.8; r_c = 0.12; delta_r = 0.01 }\ntime { dt = 0.01; steps = 10 }\n"
-                "reaction r { reactants = Ni Al; product = NiAl; kind = non-stoichiometric; k0 = 10; ea = 60 kJ/mol\n"
-                "             heat = 1.54 kJ/g }\n"
-                "phase Al liquid { transition = temperature; t_line = 933; latent = 0.4 kJ/g; rho0 = 2.4 }\n"
-                "phase Ni high { transition = pressure; p_line = 0.5; t_line = 300; rho0 = 9.1 }\n"
-                "phase NiAl liquid { transition = temperature; t_line = 1911; latent = 0.9 kJ/g; rho0 = 5 }\n"
-                "body a { shape = rectangle 0, 0, 0.8, 0.8; spacing = 0.04; mix = Ni 0.5, Al 0.5 }\n",
-                NULL, 1);
+    engine_load(
+        &g,
+        METALS
+        "domain { size = 0.8, 0.8; r_c = 0.12; delta_r = 0.01 }\ntime { dt = 0.01; steps = 10 }\n"
+        "reaction r { reactants = Ni Al; product = NiAl; kind = non-stoichiometric; k0 = 10; ea = 60 kJ/mol\n"
+        "             heat = 1.54 kJ/g }\n"
+        "phase Al liquid { transition = temperature; t_line = 933; latent = 0.4 kJ/g; rho0 = 2.4 }\n"
+        "phase Ni high { transition = pressure; p_line = 0.5; t_line = 300; rho0 = 9.1 }\n"
+        "phase NiAl liquid { transition = temperature; t_line = 1911; latent = 0.9 kJ/g; rho0 = 5 }\n"
+        "body a { shape = rectangle 0, 0, 0.8, 0.8; spacing = 0.04; mix = Ni 0.5, Al 0.5 }\n",
+        NULL, 1);
     const struct model *m = g.model;
     double radius = phase_radius(m, 0.02, 1, 3); /* the liquid's */
     CHECK_NEAR_REL(radius, 0.02 * sqrt(2.703 / 2.4), 1e-15);
@@ -658,8 +665,7 @@ TEST(a_restart_goes_on_with_the_same_bits)
     engine_stop(&h);
 }
 
-/* --- decks that make no sense
- * -------------------------------------------------------------------------------------- */
+/* --- decks that make no sense --- */
 
 #define FRAME    METALS "domain { size = 1, 1; r_c = 0.06; delta_r = 0.01 }\ntime { dt = 0.01; steps = 1 }\n"
 #define SPECIMEN "body a { shape = rectangle 0, 0, 0.2, 0.2; spacing = 0.04; material = Al }\n"
@@ -728,10 +734,8 @@ TEST_MAIN(CASE(softening_with_temperature), CASE(converted_masses_are_lost_by_th
           CASE(a_step_beyond_the_thermal_limit_is_refused), CASE(transitions_are_exactly_at_their_lines),
           CASE(melting_takes_the_latent_heat), CASE(the_energy_account_of_a_transition_closes),
           CASE(rates_follow_arrhenius), CASE(a_mixture_reacts_as_arrhenius_says),
-          CASE(no_step_takes_more_than_its_part),
-          CASE(complete_conversion_gives_the_adiabatic_temperature),
+          CASE(no_step_takes_more_than_its_part), CASE(complete_conversion_gives_the_adiabatic_temperature),
           CASE(a_mixture_conserves_and_stays_positive),
-          CASE(a_stoichiometric_mixture_takes_both_in_proportion),
-          CASE(no_element_outgrows_the_bound), CASE(any_number_of_ranks_gives_the_same_bits),
-          CASE(a_restart_goes_on_with_the_same_bits),
+          CASE(a_stoichiometric_mixture_takes_both_in_proportion), CASE(no_element_outgrows_the_bound),
+          CASE(any_number_of_ranks_gives_the_same_bits), CASE(a_restart_goes_on_with_the_same_bits),
           CASE(bad_chemistry_is_refused))

@@ -38,8 +38,8 @@ static bool same_mirror(const struct element *a, const struct element *b)
            memcmp(&a->radius, &b->radius, sizeof(double)) == 0 &&
            memcmp(&a->mass, &b->mass, sizeof(double)) == 0 && memcmp(a->r, b->r, sizeof a->r) == 0 &&
            memcmp(a->v, b->v, sizeof a->v) == 0 && memcmp(&a->w, &b->w, sizeof(double)) == 0 &&
-           memcmp(&a->heat, &b->heat, sizeof(double)) == 0 && memcmp(&a->p, &b->p, sizeof(double)) == 0 && a->was == b->was &&
-           memcmp(a->share, b->share, sizeof a->share) == 0;
+           memcmp(&a->heat, &b->heat, sizeof(double)) == 0 && memcmp(&a->p, &b->p, sizeof(double)) == 0 &&
+           a->was == b->was && memcmp(a->share, b->share, sizeof a->share) == 0;
 }
 
 static bool same_element(const struct element *a, const struct element *b)
@@ -197,7 +197,10 @@ TEST(a_step_message_round_trip)
                                .measured = true,
                                .hashed = true,
                                .surveyed = true,
-                               .spread = {.low = {-1.5, INFINITY}, .high = {2.5, -INFINITY}, .most = 3.5, .close = INFINITY},
+                               .spread = {.low = {-1.5, INFINITY},
+                                          .high = {2.5, -INFINITY},
+                                          .most = 3.5,
+                                          .close = INFINITY},
                                .measures = some_measures(),
                                .hash = 0xfeedU,
                                .n_segments = 0},
@@ -218,7 +221,8 @@ TEST(a_step_message_round_trip)
         message_get_step(&r, &in);
         CHECK(r.failed);
     }
-    const struct spread wrong[] = {{.low = {NAN, 0}}, {.high = {0, NAN}}, {.low = {1, 0}}, {.most = -1}, {.close = -1}, {.close = NAN}};
+    const struct spread wrong[] = {{.low = {NAN, 0}}, {.high = {0, NAN}}, {.low = {1, 0}},
+                                   {.most = -1},      {.close = -1},      {.close = NAN}};
     for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; k++) {
         bytes_clear(&w);
         out.spread = wrong[k];
@@ -326,7 +330,8 @@ TEST(the_small_messages)
     message_put_next(&w, &next);
     r = bytes_reader_of(w.data, w.length);
     message_get_next(&r, &next_in);
-    CHECK(bytes_done(&r) && next_in.redo && !next_in.rebuild_next && next_in.survey_next && next_in.step == 3);
+    CHECK(bytes_done(&r) && next_in.redo && !next_in.rebuild_next && next_in.survey_next &&
+          next_in.step == 3);
     bytes_clear(&w);
     struct done_message done = {.measures = some_measures(), .times = {.forces = 1.5, .bytes_out = 77}},
                         done_in;
@@ -405,8 +410,13 @@ TEST(a_state_is_compiled_from_parts)
 TEST(a_profile)
 {
     struct bytes_writer w = {0};
-    struct profile_bin bin = {.elements = 7, .mass = {1, 2}, .momentum = {{3, 4}, {-5, 6}}, .volume = {7, 8},
-                              .stress = {{9, 10}, {-11, 12}, {13, UINT64_MAX}}, .temperature = {14, 15}}, got;
+    struct profile_bin bin = {.elements = 7,
+                              .mass = {1, 2},
+                              .momentum = {{3, 4}, {-5, 6}},
+                              .volume = {7, 8},
+                              .stress = {{9, 10}, {-11, 12}, {13, UINT64_MAX}},
+                              .temperature = {14, 15}},
+                       got;
     struct profile_message m = {.step = 40, .which = 2, .n_bins = 2}, in;
     message_put_profile(&w, &m);
     size_t head = w.length;

@@ -25,8 +25,9 @@ static inline void exact_merge(struct exact_sum *sum, const struct exact_sum *ot
     sum->lo = low;
 }
 
-/* Adds value * 2^shift, 64 - 1022 <= shift <= 64 + 1023. False, and *sum unchanged, where value is not finite or too
- * large. Inline and without a branch on the sign: a measuring step does it some ten times per element. */
+/* Adds value * 2^shift, 64 - 1022 <= shift <= 64 + 1023. False, and *sum unchanged, where value is not finite
+ * or too large. Inline and without a branch on the sign: a measuring step does it some ten times per element.
+ */
 static inline bool exact_add(struct exact_sum *sum, double value, int shift)
 {
     double scaled = value * real_pow2(shift - 64); /* in units of 2^64 quanta; exact unless it underflows */
@@ -35,8 +36,8 @@ static inline bool exact_add(struct exact_sum *sum, double value, int shift)
     if (!(fabs(scaled) < 0x1p56))
         return false;
     int64_t hi = (int64_t)scaled; /* towards zero */
-    /* The magnitude of the fraction in quanta, 32 bits at a time, every step exact; rounded up where it is to be taken off
-     * (to less than 2^64, as the fraction has 53 bits). */
+    /* The magnitude of the fraction in quanta, 32 bits at a time, every step exact; rounded up where it is to
+     * be taken off (to less than 2^64, as the fraction has 53 bits). */
     double rest = scaled - (double)hi, upper = fabs(rest) * 0x1p32;
     int64_t a = (int64_t)upper;
     double lower = (upper - (double)a) * 0x1p32;
@@ -53,12 +54,13 @@ static inline void exact_add_units(struct exact_sum *sum, int64_t units, int lef
 {
     uint64_t bits = (uint64_t)units;
     uint64_t sign = units < 0 ? ~(uint64_t)0 : 0;
-    struct exact_sum term = {.hi = (int64_t)(left == 0 ? sign : (sign << left) | (bits >> (64 - left))), .lo = bits << left};
+    struct exact_sum term = {.hi = (int64_t)(left == 0 ? sign : (sign << left) | (bits >> (64 - left))),
+                             .lo = bits << left};
     exact_merge(sum, &term);
 }
 
-/* The sum as a double (three roundings at most): the same for the same bits of *sum, within 2^-51 of the exact
- * value. */
+/* The sum as a double (three roundings at most): the same for the same bits of *sum, within 2^-51 of the
+ * exact value. */
 double exact_value(const struct exact_sum *sum, int shift);
 
 #endif

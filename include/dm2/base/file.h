@@ -43,7 +43,8 @@ enum dm2_status file_flush(struct file_out *f, struct dm2_error *err);
  * is removed and what was under the final name stays as it was. *f is empty afterwards. */
 enum dm2_status file_commit(struct file_out *f, struct dm2_error *err);
 
-/* Takes up path.part where an earlier program left it: cuts it to its first `keep` bytes and appends to them. */
+/* Takes up path.part where an earlier program left it: cuts it to its first `keep` bytes and appends to them.
+ */
 enum dm2_status file_reopen(struct file_out *f, const char *path, size_t keep, struct dm2_error *err);
 
 /* Flushes and fsyncs what is there so far; the file stays open. */

@@ -8,10 +8,10 @@
 #include "dm2/base/status.h"
 
 struct grid {
-    int cx, cy;           /* columns and rows; c = cx * cy cells, numbered row by row: cell = j * cx + i */
-    double lx, ly;        /* L_x, L_y, cell edges, cm */
-    double origin[2];     /* lower left corner of the domain, cm */
-    double size[2];       /* of the domain, cm */
+    int cx, cy;       /* columns and rows; c = cx * cy cells, numbered row by row: cell = j * cx + i */
+    double lx, ly;    /* L_x, L_y, cell edges, cm */
+    double origin[2]; /* lower left corner of the domain, cm */
+    double size[2];   /* of the domain, cm */
     bool periodic[2];
 };
 

@@ -16,7 +16,8 @@ void hmac_start(struct hmac *h, const void *key, size_t n);
 void hmac_add(struct hmac *h, const void *data, size_t n);
 void hmac_finish(struct hmac *h, unsigned char code[SHA256_BYTES]);
 
-/* Are n bytes equal? Takes the same time wherever they differ, so that the time tells nothing about a code. */
+/* Are n bytes equal? Takes the same time wherever they differ, so that the time tells nothing about a code.
+ */
 bool hmac_equal(const void *a, const void *b, size_t n);
 
 #endif

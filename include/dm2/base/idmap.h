@@ -13,8 +13,8 @@ struct idmap {
     size_t entries;
 };
 
-/* An empty map with room for `entries`. 0, or -1 without memory (the map is then empty and has no room). A map may
- * be prepared again; idmap_free releases it. */
+/* An empty map with room for `entries`. 0, or -1 without memory (the map is then empty and has no room). A
+ * map may be prepared again; idmap_free releases it. */
 int idmap_prepare(struct idmap *map, size_t entries);
 void idmap_free(struct idmap *map);
 

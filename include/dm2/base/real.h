@@ -1,5 +1,5 @@
-/* exp, log, sine and cosine made only of + - * / and exact scaling, so that they have the same bits with every
- * compiler and C library (libm's differ between versions). */
+/* exp, log, sine and cosine made only of + - * / and exact scaling, so that they have the same bits with
+ * every compiler and C library (libm's differ between versions). */
 #ifndef DM2_BASE_REAL_H
 #define DM2_BASE_REAL_H
 

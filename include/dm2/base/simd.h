@@ -1,8 +1,8 @@
-/* Four doubles at a time, with the vector types that gcc and clang share. Every operation is the scalar one in each lane,
- * so a loop written with them gives the bits of the plain loop.
+/* Four doubles at a time, with the vector types that gcc and clang share. Every operation is the scalar one
+ * in each lane, so a loop written with them gives the bits of the plain loop.
  *
- * DM2_WIDE marks a function that is compiled for AVX2 and for the plain instruction set, and chosen when the program
- * starts (glibc on x86-64); elsewhere the compiler makes of the vectors what the machine has. */
+ * DM2_WIDE marks a function that is compiled for AVX2 and for the plain instruction set, and chosen when the
+ * program starts (glibc on x86-64); elsewhere the compiler makes of the vectors what the machine has. */
 #ifndef DM2_BASE_SIMD_H
 #define DM2_BASE_SIMD_H
 
@@ -12,7 +12,8 @@ typedef double simd_real __attribute__((vector_size(32)));
 typedef int64_t simd_int __attribute__((vector_size(32)));
 enum { SIMD_LANES = 4 };
 
-/* Lane by lane: a where the comparison `mask` holds, else b. A macro, since vectors are not passed to functions. */
+/* Lane by lane: a where the comparison `mask` holds, else b. A macro, since vectors are not passed to
+ * functions. */
 #define SIMD_CHOOSE(mask, a, b) ((simd_real)(((simd_int)(a) & (mask)) | ((simd_int)(b) & ~(mask))))
 
 /* Two of them, the components of one element's vector. */
@@ -24,8 +25,8 @@ union simd_int_halves {
     simd_int2 half[2];
 };
 
-/* SIMD_JOIN: two halves as one. SIMD_EVEN, SIMD_ODD: lanes 0 and 2, or 1 and 3, of a and b in turn: a0 b0 a2 b2.
- * SIMD_LOW, SIMD_HIGH: the first, or second, halves of a and of b. */
+/* SIMD_JOIN: two halves as one. SIMD_EVEN, SIMD_ODD: lanes 0 and 2, or 1 and 3, of a and b in turn: a0 b0 a2
+ * b2. SIMD_LOW, SIMD_HIGH: the first, or second, halves of a and of b. */
 #if defined(__has_builtin)
 #if __has_builtin(__builtin_shufflevector)
 #define DM2_HAS_SHUFFLE
@@ -33,16 +34,16 @@ union simd_int_halves {
 #endif
 #ifdef DM2_HAS_SHUFFLE
 #define SIMD_JOIN(low, high) __builtin_shufflevector(low, high, 0, 1, 2, 3)
-#define SIMD_EVEN(a, b) __builtin_shufflevector(a, b, 0, 4, 2, 6)
-#define SIMD_ODD(a, b) __builtin_shufflevector(a, b, 1, 5, 3, 7)
-#define SIMD_LOW(a, b) __builtin_shufflevector(a, b, 0, 1, 4, 5)
-#define SIMD_HIGH(a, b) __builtin_shufflevector(a, b, 2, 3, 6, 7)
+#define SIMD_EVEN(a, b)      __builtin_shufflevector(a, b, 0, 4, 2, 6)
+#define SIMD_ODD(a, b)       __builtin_shufflevector(a, b, 1, 5, 3, 7)
+#define SIMD_LOW(a, b)       __builtin_shufflevector(a, b, 0, 1, 4, 5)
+#define SIMD_HIGH(a, b)      __builtin_shufflevector(a, b, 2, 3, 6, 7)
 #else
 #define SIMD_JOIN(low, high) ((simd_real){(low)[0], (low)[1], (high)[0], (high)[1]})
-#define SIMD_EVEN(a, b) __builtin_shuffle(a, b, (simd_int){0, 4, 2, 6})
-#define SIMD_ODD(a, b) __builtin_shuffle(a, b, (simd_int){1, 5, 3, 7})
-#define SIMD_LOW(a, b) __builtin_shuffle(a, b, (simd_int){0, 1, 4, 5})
-#define SIMD_HIGH(a, b) __builtin_shuffle(a, b, (simd_int){2, 3, 6, 7})
+#define SIMD_EVEN(a, b)      __builtin_shuffle(a, b, (simd_int){0, 4, 2, 6})
+#define SIMD_ODD(a, b)       __builtin_shuffle(a, b, (simd_int){1, 5, 3, 7})
+#define SIMD_LOW(a, b)       __builtin_shuffle(a, b, (simd_int){0, 1, 4, 5})
+#define SIMD_HIGH(a, b)      __builtin_shuffle(a, b, (simd_int){2, 3, 6, 7})
 #endif
 
 /* What a DM2_WIDE function calls must be inlined into each of its versions. */

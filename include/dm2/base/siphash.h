@@ -1,5 +1,5 @@
-/* SipHash-2-4 with 128 bits of output (Aumasson and Bernstein): a keyed check that is as fast as the network, for
- * the frames of a session. Without the key nobody can make the tag of a message. */
+/* SipHash-2-4 with 128 bits of output (Aumasson and Bernstein): a keyed check that is as fast as the network,
+ * for the frames of a session. Without the key nobody can make the tag of a message. */
 #ifndef DM2_BASE_SIPHASH_H
 #define DM2_BASE_SIPHASH_H
 

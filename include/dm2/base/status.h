@@ -8,15 +8,15 @@
 
 enum dm2_status {
     DM2_OK = 0,
-    DM2_USAGE,       /* a command line that does not read; exit status 2 */
-    DM2_DECK,        /* a deck (input file) that does not read or is unphysical; exit status 2 */
-    DM2_MEMORY,      /* an allocation failed or a size overflowed */
-    DM2_IO,          /* a file could not be opened, read, written or renamed */
-    DM2_NET,         /* a peer is absent, refused, closed or reset; exit status 3 in the client */
-    DM2_TIMEOUT,     /* a peer was silent past its deadline; exit status 3 in the client */
-    DM2_PROTOCOL,    /* bytes from a peer or a file that do not decode; exit status 3 in the client */
-    DM2_NUMERIC,     /* non-finite, out of the representable range, a lost particle */
-    DM2_INTERRUPTED  /* a signal asked the program to end */
+    DM2_USAGE,      /* a command line that does not read; exit status 2 */
+    DM2_DECK,       /* a deck (input file) that does not read or is unphysical; exit status 2 */
+    DM2_MEMORY,     /* an allocation failed or a size overflowed */
+    DM2_IO,         /* a file could not be opened, read, written or renamed */
+    DM2_NET,        /* a peer is absent, refused, closed or reset; exit status 3 in the client */
+    DM2_TIMEOUT,    /* a peer was silent past its deadline; exit status 3 in the client */
+    DM2_PROTOCOL,   /* bytes from a peer or a file that do not decode; exit status 3 in the client */
+    DM2_NUMERIC,    /* non-finite, out of the representable range, a lost particle */
+    DM2_INTERRUPTED /* a signal asked the program to end */
 };
 
 struct dm2_error {

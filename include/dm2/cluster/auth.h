@@ -6,9 +6,9 @@
  *     PROOF  code           ->
  *                           <-        GRANT  code
  *
- * A code is HMAC-SHA-256 under the key of a label that names its maker's role, the protocol version and both nonces:
- * a code of an earlier session has other nonces, one that is sent back has the other role. The frames that follow
- * have tags by keys that are made in the same way, one per direction. */
+ * A code is HMAC-SHA-256 under the key of a label that names its maker's role, the protocol version and both
+ * nonces: a code of an earlier session has other nonces, one that is sent back has the other role. The frames
+ * that follow have tags by keys that are made in the same way, one per direction. */
 #ifndef DM2_CLUSTER_AUTH_H
 #define DM2_CLUSTER_AUTH_H
 
@@ -32,11 +32,12 @@ struct auth_nonces {
 enum auth_role {
     AUTH_CLIENT,
     AUTH_SERVER,
-    AUTH_ASKER /* a client that only asks for the status: its code opens no session of the other kind, and the reverse */
+    AUTH_ASKER /* a client that only asks for the status: its code opens no session of the other kind, and the
+                  reverse */
 };
 
-/* Makes a key of random bytes and writes it to a new file that only its owner can read. DM2_USAGE where the file
- * exists already, DM2_IO. */
+/* Makes a key of random bytes and writes it to a new file that only its owner can read. DM2_USAGE where the
+ * file exists already, DM2_IO. */
 enum dm2_status auth_key_create(const char *path, struct dm2_error *err);
 
 /* DM2_USAGE, with what to do, where the file cannot be read, can be read by others, or holds no key. */

@@ -1,8 +1,8 @@
 /* Which servers there are: host names with ports, and the hosts file.
  *
- * A hosts file has one line per machine, `host[:port] [slots=K] [spare]`, and `#` starts a comment. `slots=K` stands
- * for K servers, on the ports port .. port+K-1; those of a line with `spare` stand in for others that are lost.
- * An IPv6 address with a port is written [address]:port. */
+ * A hosts file has one line per machine, `host[:port] [slots=K] [spare]`, and `#` starts a comment. `slots=K`
+ * stands for K servers, on the ports port .. port+K-1; those of a line with `spare` stand in for others that
+ * are lost. An IPv6 address with a port is written [address]:port. */
 #ifndef DM2_CLUSTER_HOSTS_H
 #define DM2_CLUSTER_HOSTS_H
 

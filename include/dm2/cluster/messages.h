@@ -23,8 +23,8 @@ enum { PROTOCOL_VERSION = 10 };
 
 enum { DEFAULT_PORT = 4702 }; /* of a server; the one place where it is written */
 
-/* Seconds of work until ALIVE is sent: a quarter of the client's patience, and a second at most. Before ASSIGN a server does
- * not know that and takes ALIVE_SECONDS. */
+/* Seconds of work until ALIVE is sent: a quarter of the client's patience, and a second at most. Before
+ * ASSIGN a server does not know that and takes ALIVE_SECONDS. */
 #define ALIVE_SECONDS 0.25
 static inline double alive_every(double patience)
 {
@@ -33,21 +33,22 @@ static inline double alive_every(double patience)
 
 /* c: from the client, s: from the server. */
 enum message_type {
-    MESSAGE_HELLO = 1,   /* c: fingerprint, version of the program */
-    MESSAGE_WELCOME = 2, /* s: the same of the server */
-    MESSAGE_DECK = 3,    /* c: the deck by name and digest, or its texts */
-    MESSAGE_ANSWER = 4,  /* s: the deck is loaded, or its texts are wanted */
-    MESSAGE_ASSIGN = 5,  /* c: rank, decomposition */
-    MESSAGE_READY = 6,   /* s: the subdomain stands */
-    MESSAGE_STEP = 7,    /* s: one step is done: dmax, measures, segments for others */
-    MESSAGE_NEXT = 8,    /* c: the segments of others, and what to do next */
-    MESSAGE_STATE = 9,   /* either: a part of a state */
-    MESSAGE_DONE = 10,   /* s: last measures, timing; the session is over */
-    MESSAGE_ECHO = 13,   /* c: bytes, after WELCOME; s: the same bytes. An empty one ends the session */
-    MESSAGE_ERROR = 11,  /* either: why the session ends now */
+    MESSAGE_HELLO = 1,    /* c: fingerprint, version of the program */
+    MESSAGE_WELCOME = 2,  /* s: the same of the server */
+    MESSAGE_DECK = 3,     /* c: the deck by name and digest, or its texts */
+    MESSAGE_ANSWER = 4,   /* s: the deck is loaded, or its texts are wanted */
+    MESSAGE_ASSIGN = 5,   /* c: rank, decomposition */
+    MESSAGE_READY = 6,    /* s: the subdomain stands */
+    MESSAGE_STEP = 7,     /* s: one step is done: dmax, measures, segments for others */
+    MESSAGE_NEXT = 8,     /* c: the segments of others, and what to do next */
+    MESSAGE_STATE = 9,    /* either: a part of a state */
+    MESSAGE_DONE = 10,    /* s: last measures, timing; the session is over */
+    MESSAGE_ECHO = 13,    /* c: bytes, after WELCOME; s: the same bytes. An empty one ends the session */
+    MESSAGE_ERROR = 11,   /* either: why the session ends now */
     MESSAGE_PROFILE = 12, /* s: the sums of a profile, before STEP or DONE as STATE is */
     MESSAGE_ALIVE = 14,   /* either, after WELCOME, before what is due: nothing but that it is at work */
-    /* Before HELLO where a key is in use (dm2/cluster/auth.h); the payloads are nonces and codes as they are. */
+    /* Before HELLO where a key is in use (dm2/cluster/auth.h); the payloads are nonces and codes as they are.
+     */
     MESSAGE_KNOCK = 20,     /* c: nonce */
     MESSAGE_CHALLENGE = 21, /* s: nonce */
     MESSAGE_PROOF = 22,     /* c: code */
@@ -93,7 +94,7 @@ struct assign_message {
     int64_t hash_every;         /* 0: never */
     bool rebuild_first;         /* the first step ends with a rebuild */
     bool copy_first;            /* the state comes with the first step */
-    int64_t start;              /* the step to start from; its state follows in STATE messages; -1: generate */
+    int64_t start; /* the step to start from; its state follows in STATE messages; -1: generate */
 };
 
 struct ready_message {
@@ -140,7 +141,7 @@ struct state_message {
 struct server_times {
     double forces, integrate, rebuild, pack, wait, unpack, output;
     double ahead; /* of forces: while the others' states were on the way */
-    double cpu; /* of the processor: computing, packing and unpacking in all steps */
+    double cpu;   /* of the processor: computing, packing and unpacking in all steps */
     uint64_t steps, rebuilds, migrants, mirrored; /* migrants sent away; mirrored: sum over steps */
     uint64_t messages_in, messages_out, bytes_in, bytes_out;
 };

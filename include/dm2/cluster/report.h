@@ -29,9 +29,9 @@ struct run_report {
         output; /* the client's own seconds: for servers, routing and sending, compiling and writing */
     uint64_t rebuilds, redone; /* exchanges that renewed owners; of these, asked for afterwards */
     size_t update_bytes;       /* g: bytes per boundary element of an update */
-    int losses; /* of servers, from which the run recovered */
-    int64_t copies; /* of the state, in memory, but for checkpoints; */
-    double copying; /* what their steps took longer than others, seconds */
+    int losses;                /* of servers, from which the run recovered */
+    int64_t copies;            /* of the state, in memory, but for checkpoints; */
+    double copying;            /* what their steps took longer than others, seconds */
     int ranks;
     struct server_report *servers; /* ranks of them */
     const char *prediction;        /* lines of text about it for run.log; NULL: none */

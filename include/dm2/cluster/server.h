@@ -13,10 +13,11 @@
 struct server_options {
     const char *deck_dir; /* decks named by clients are looked for below it */
     const char *version;  /* of the program, for HELLO */
-    double handshake;     /* seconds in which a client must have proved the key, and, when its turn has come, said HELLO */
-    double timeout;       /* seconds of silence after which a client is given up; a longer one of the client's
-                             counts twice, up to ten times this one */
-    int cancel;           /* readable when the process is asked to end; -1: none */
+    double handshake; /* seconds in which a client must have proved the key, and, when its turn has come, said
+                         HELLO */
+    double timeout;   /* seconds of silence after which a client is given up; a longer one of the client's
+                         counts twice, up to ten times this one */
+    int cancel;       /* readable when the process is asked to end; -1: none */
     const struct auth_key *key;     /* that a client must have; NULL: none */
     const struct allow_list *allow; /* who may connect; NULL: everybody */
     uint64_t max_elements;          /* of a deck, which also limit its cells and sites; */
@@ -27,14 +28,15 @@ struct server_options {
 struct session_summary {
     char deck[200];
     int rank, ranks;
-    int64_t steps; /* done */
+    int64_t steps;   /* done */
     uint64_t echoes; /* round trips of bytes that mean nothing */
     bool measured;   /* they were all that the session was for */
     double seconds;
 };
 
 /* Serves one session on a connected descriptor, which it closes. A failure is told to the client as far as it
- * still listens; *err has it for the log, one line. DM2_PROTOCOL where it was refused, DM2_INTERRUPTED when asked to end. */
+ * still listens; *err has it for the log, one line. DM2_PROTOCOL where it was refused, DM2_INTERRUPTED when
+ * asked to end. */
 enum dm2_status server_session(int fd, const char *peer, const struct server_options *options,
                                struct session_summary *summary, struct dm2_error *err);
 

@@ -14,11 +14,11 @@
 #include "dm2/engine/subdomain.h"
 
 enum {
-    WIRE_MIRROR = 104,                    /* bytes of an element that is mirrored, */
-    WIRE_ELEMENT = WIRE_MIRROR + 42,      /* of one with what only its owner knows, */
-    WIRE_PAIR = 25,                       /* of the memory of a pair, */
-    WIRE_MEASURED = 56,                   /* of what was measured of an element, */
-    WIRE_BIN = 8 + 8 * 16                 /* of a bin of a profile */
+    WIRE_MIRROR = 104,               /* bytes of an element that is mirrored, */
+    WIRE_ELEMENT = WIRE_MIRROR + 42, /* of one with what only its owner knows, */
+    WIRE_PAIR = 25,                  /* of the memory of a pair, */
+    WIRE_MEASURED = 56,              /* of what was measured of an element, */
+    WIRE_BIN = 8 + 8 * 16            /* of a bin of a profile */
 };
 
 /* Per element, in a state that somebody sends: far more than fit around one. */

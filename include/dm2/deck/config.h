@@ -51,29 +51,30 @@ struct material_config {
 struct phase_config {
     name_text name;
     int material;
-    name_text from_name;  /* the phase that it forms from; "": the material as its own block gives it */
-    int from;             /* the same: index of a phase before this one, -1: the material */
+    name_text from_name; /* the phase that it forms from; "": the material as its own block gives it */
+    int from;            /* the same: index of a phase before this one, -1: the material */
     enum transition_kind transition;
-    bool reversible;      /* default yes */
-    double p_line;        /* Mbar, default 0 */
-    double t_line;        /* K */
-    double dp_dt, dt_dp;  /* Mbar/K, K/Mbar, default 0 */
-    double hysteresis_p;  /* the way back is so much below the line, Mbar, default 0 */
-    double hysteresis_t;  /* or K; NaN: 1.1 times latent heat over heat capacity */
-    double latent;        /* heat taken up at t_line, cm2/us2 */
-    struct material_config state; /* its constants; where the deck gives none, those of the phase it forms from */
+    bool reversible;     /* default yes */
+    double p_line;       /* Mbar, default 0 */
+    double t_line;       /* K */
+    double dp_dt, dt_dp; /* Mbar/K, K/Mbar, default 0 */
+    double hysteresis_p; /* the way back is so much below the line, Mbar, default 0 */
+    double hysteresis_t; /* or K; NaN: 1.1 times latent heat over heat capacity */
+    double latent;       /* heat taken up at t_line, cm2/us2 */
+    struct material_config
+        state; /* its constants; where the deck gives none, those of the phase it forms from */
 };
 
 /* reaction NAME { ... }: A + B -> product in contacting elements. */
 struct reaction_config {
     name_text name;
-    int reactant[2], product;  /* materials; -1: unknown */
+    int reactant[2], product; /* materials; -1: unknown */
     enum reaction_kind kind;
-    double masses[2];          /* that react with each other, in any unit; NaN: non-stoichiometric */
-    double k0;                 /* rate per facet, g/cm2/us */
-    double ea;                 /* activation energy, g cm2/us2/mol */
-    double heat;               /* set free per mass of product, cm2/us2 */
-    double threshold;          /* an element with less of its reactants than this becomes the product material */
+    double masses[2]; /* that react with each other, in any unit; NaN: non-stoichiometric */
+    double k0;        /* rate per facet, g/cm2/us */
+    double ea;        /* activation energy, g cm2/us2/mol */
+    double heat;      /* set free per mass of product, cm2/us2 */
+    double threshold; /* an element with less of its reactants than this becomes the product material */
 };
 
 /* What a pair of elements does to each other; resolved for two materials and a relation. */
@@ -170,8 +171,8 @@ struct profile_config {
 };
 
 struct output_config {
-    int64_t history_every;  /* steps between rows of history.csv, default 1/200 of the run, at least 1 */
-    int64_t snapshot_every; /* 0: none by interval */
+    int64_t history_every;    /* steps between rows of history.csv, default 1/200 of the run, at least 1 */
+    int64_t snapshot_every;   /* 0: none by interval */
     int64_t checkpoint_every; /* steps between checkpoints; 0: none by interval */
     size_t n_snapshot_at;
     int64_t *snapshot_at; /* further steps, ascending, without repeats */
@@ -186,7 +187,7 @@ struct config {
     enum search_kind search;
     int64_t rebuild_every; /* 0: when dumax says so; K: also every K steps */
     enum balance_kind balance;
-    double dt; /* us */
+    double dt;      /* us */
     char *dt_place; /* where the deck has it, for config_fail; NULL: unknown */
     int64_t steps;
     double gravity[2]; /* body acceleration, cm/us2 */
@@ -221,10 +222,10 @@ struct kind_name {
 };
 const char *config_kind_name(const struct config *c, size_t kind, struct kind_name *out);
 
-/* dm2_fail at a place of the deck: the text is "file:line:column: error: message", the line, and a caret below it; the
- * message alone where the place is NULL. */
-enum dm2_status config_fail(const char *place, struct dm2_error *err, enum dm2_status status, const char *format, ...)
-    __attribute__((format(printf, 4, 5)));
+/* dm2_fail at a place of the deck: the text is "file:line:column: error: message", the line, and a caret
+ * below it; the message alone where the place is NULL. */
+enum dm2_status config_fail(const char *place, struct dm2_error *err, enum dm2_status status,
+                            const char *format, ...) __attribute__((format(printf, 4, 5)));
 
 /* Frees what *c owns and empties it. */
 void config_free(struct config *c);

@@ -30,10 +30,10 @@ struct deck_source {
 /* Reads `path` and whatever it includes from disk. On failure *err says which file and why and *out is
  * empty. Free with deck_source_free. DM2_IO, DM2_DECK, DM2_MEMORY. */
 enum dm2_status deck_source_read(const char *path, struct deck_source *out, struct dm2_error *err);
-/* The same with a say in what is included: a file for which `may` is false (its name is as it would be opened) is not opened,
- * and the deck not read, DM2_IO. */
-enum dm2_status deck_source_read_some(const char *path, bool (*may)(void *context, const char *name), void *context,
-                                      struct deck_source *out, struct dm2_error *err);
+/* The same with a say in what is included: a file for which `may` is false (its name is as it would be
+ * opened) is not opened, and the deck not read, DM2_IO. */
+enum dm2_status deck_source_read_some(const char *path, bool (*may)(void *context, const char *name),
+                                      void *context, struct deck_source *out, struct dm2_error *err);
 void deck_source_free(struct deck_source *source);
 
 /* Every finding in a deck. The report is the finished text: per finding `file:line:column: error: ...` or

@@ -13,8 +13,8 @@ struct domain_map {
     const uint16_t *owner; /* [global cell] a rank */
 };
 
-/* The ranks other than the owner that mirror a global cell: those that own a cell around it. Writes up to 8 to out, returns
- * how many. */
+/* The ranks other than the owner that mirror a global cell: those that own a cell around it. Writes up to 8
+ * to out, returns how many. */
 int domain_map_mirrored_by(const struct domain_map *map, int cell, uint16_t out[8]);
 
 #endif

@@ -15,18 +15,19 @@ struct element {
     uint32_t id;    /* global, from 0, in the generator's order */
     uint32_t grain; /* global */
     uint16_t body;
-    uint16_t kind;  /* index of its (material, phase) in the model */
-    uint16_t was;   /* kind before the last move; differs only until the next force evaluation */
-    uint8_t flags;  /* enum element_flag */
-    uint8_t probes; /* bit p: it belongs to probe p */
-    double radius;  /* cm */
-    double mass;    /* g */
-    double r[2];    /* position at the whole step, cm */
-    double v[2];    /* velocity at the half step before, cm/us */
-    double w;       /* angular velocity there, 1/us */
-    double heat;    /* thermal energy above its material's T0, g cm2/us2 */
-    double p;       /* pressure of the last force evaluation, Mbar */
-    double share[2]; /* mass fractions of the reaction's reactants; the rest is product; 0 where nothing reacts */
+    uint16_t kind;   /* index of its (material, phase) in the model */
+    uint16_t was;    /* kind before the last move; differs only until the next force evaluation */
+    uint8_t flags;   /* enum element_flag */
+    uint8_t probes;  /* bit p: it belongs to probe p */
+    double radius;   /* cm */
+    double mass;     /* g */
+    double r[2];     /* position at the whole step, cm */
+    double v[2];     /* velocity at the half step before, cm/us */
+    double w;        /* angular velocity there, 1/us */
+    double heat;     /* thermal energy above its material's T0, g cm2/us2 */
+    double p;        /* pressure of the last force evaluation, Mbar */
+    double share[2]; /* mass fractions of the reaction's reactants; the rest is product; 0 where nothing
+                        reacts */
     /* What only its owner knows; of a mirrored element it is 0. */
     double work;      /* put in so far by the body force or by its drive, g cm2/us2 */
     double strain[3]; /* xx, yy, xy, accumulated since the start where the deck asks for it; else 0 */
@@ -37,22 +38,22 @@ struct element {
 /* The memory of one pair that is linked or in contact. Key: id_a < id_b. */
 struct pair_record {
     uint32_t id_a, id_b;
-    uint32_t linked;  /* 0 or 1 */
-    double stretch;   /* residual normal stretch e, cm */
-    double spring;    /* tangential spring s, cm */
+    uint32_t linked; /* 0 or 1 */
+    double stretch;  /* residual normal stretch e, cm */
+    double spring;   /* tangential spring s, cm */
 };
 
 /* What was measured of one element at the last force evaluation that measured. */
 struct element_measure {
-    double stress[3]; /* xx, yy, xy, Mbar; tension positive */
+    double stress[3];   /* xx, yy, xy, Mbar; tension positive */
     double velocity[2]; /* mean of the two half steps */
     double temperature; /* K */
-    uint32_t links;   /* linked pairs */
+    uint32_t links;     /* linked pairs */
     uint32_t contacts;
 };
 
-/* A whole state, or a part of one, for a reader; everything borrowed. Elements in id order, pairs in (id_a, id_b) order. Where
- * `elements` is NULL, the two functions give the records. */
+/* A whole state, or a part of one, for a reader; everything borrowed. Elements in id order, pairs in (id_a,
+ * id_b) order. Where `elements` is NULL, the two functions give the records. */
 struct state_view {
     const uint8_t *digest; /* of the deck, 32 bytes */
     int64_t step;

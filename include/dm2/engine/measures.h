@@ -20,14 +20,14 @@ struct probe_sums {
 
 struct measures {
     struct exact_sum kinetic, potential, elastic, thermal; /* energies */
-    struct exact_sum chemical; /* energy that the reactants have left */
-    struct exact_sum phase;    /* latent heats, and what changes of kind took out of bonds and spin */
-    struct exact_sum work; /* the energy put in by body force and driven elements */
+    struct exact_sum chemical;                             /* energy that the reactants have left */
+    struct exact_sum phase; /* latent heats, and what changes of kind took out of bonds and spin */
+    struct exact_sum work;  /* the energy put in by body force and driven elements */
     struct exact_sum momentum[2];
-    struct exact_sum angular;  /* angular momentum about the origin, orbital and spin */
+    struct exact_sum angular; /* angular momentum about the origin, orbital and spin */
     uint64_t elements, links, contacts;
-    double t_max;              /* K; -inf where there is no element */
-    double p_min, p_max;       /* Mbar; +inf and -inf where there is none */
+    double t_max;        /* K; -inf where there is no element */
+    double p_min, p_max; /* Mbar; +inf and -inf where there is none */
     struct probe_sums probe[PROBE_MAX];
 };
 

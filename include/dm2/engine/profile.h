@@ -1,5 +1,5 @@
-/* Profiles: means over the elements of each of a row of bins along x or y (a block `profile` of the deck). The sums are
- * exact, so that the parts of any decomposition merge to the same bits. */
+/* Profiles: means over the elements of each of a row of bins along x or y (a block `profile` of the deck).
+ * The sums are exact, so that the parts of any decomposition merge to the same bits. */
 #ifndef DM2_ENGINE_PROFILE_H
 #define DM2_ENGINE_PROFILE_H
 
@@ -36,8 +36,8 @@ long profile_bin_of(const struct profile_config *c, double x);
 /* The coordinate of a bin's middle, cm. */
 double profile_centre(const struct profile_config *c, size_t bin);
 
-/* Adds the owned elements to bins[0 .. c->bins). The last force evaluation measured; `step` is its step. DM2_NUMERIC: a
- * value beyond what the sums can hold, with id, step and position. */
+/* Adds the owned elements to bins[0 .. c->bins). The last force evaluation measured; `step` is its step.
+ * DM2_NUMERIC: a value beyond what the sums can hold, with id, step and position. */
 enum dm2_status profile_add(const struct model *m, const struct particles *p, const struct profile_config *c,
                             int64_t step, struct profile_bin *bins, struct dm2_error *err);
 

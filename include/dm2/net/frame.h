@@ -9,8 +9,8 @@
  *     8  u32  length of the payload in bytes
  *    12  u32  CRC-32C of header bytes 0..11 and the payload
  *
- * Once a channel has keys (channel_use_keys) the CRC is 0, and a tag of 16 bytes follows the header: SipHash-2-4-128 of
- * the number of the frame in its direction (u64, from 0), the header and the payload.
+ * Once a channel has keys (channel_use_keys) the CRC is 0, and a tag of 16 bytes follows the header:
+ * SipHash-2-4-128 of the number of the frame in its direction (u64, from 0), the header and the payload.
  *
  * Reading one fails in exactly the ways of enum frame_fault, deadlines and broken connections apart. The
  * magic is looked at as soon as four bytes are there, the version and the length before any payload is read;
@@ -79,7 +79,8 @@ struct channel {
 void channel_open(struct channel *ch, int fd, uint16_t version, const char *name);
 void channel_close(struct channel *ch);
 
-/* From the next frame on, in both directions: tags in place of checksums. The peer must do so at the same frame. */
+/* From the next frame on, in both directions: tags in place of checksums. The peer must do so at the same
+ * frame. */
 void channel_use_keys(struct channel *ch, const unsigned char in[SIPHASH_KEY],
                       const unsigned char out[SIPHASH_KEY]);
 

@@ -27,8 +27,8 @@ struct deadline {
     int cancel;
 };
 
-/* For poll: the peer has ended its stream, also where bytes of it still wait to be read. Linux has this event and hides it
- * from POSIX programs (POLLRDHUP); elsewhere poll tells of broken connections alone. */
+/* For poll: the peer has ended its stream, also where bytes of it still wait to be read. Linux has this event
+ * and hides it from POSIX programs (POLLRDHUP); elsewhere poll tells of broken connections alone. */
 #if defined(__linux__) && !defined(__sparc__)
 enum { SOCKET_ENDED = 0x2000 };
 #else
@@ -41,9 +41,9 @@ struct deadline deadline_in(double seconds, int cancel);
 /* A write to a closed connection is an error code, not a signal. */
 void socket_ignore_sigpipe(void);
 
-/* poll(), except that it looks for up to `look` seconds, letting other processes run in between, before it sleeps: what is
- * awaited in a time step mostly comes sooner than a sleeping process wakes up. Other arguments, return value and errno as
- * poll() has them. */
+/* poll(), except that it looks for up to `look` seconds, letting other processes run in between, before it
+ * sleeps: what is awaited in a time step mostly comes sooner than a sleeping process wakes up. Other
+ * arguments, return value and errno as poll() has them. */
 int socket_poll(struct pollfd *polls, nfds_t n, int timeout, double look);
 
 /* Waits until `fd` can do `events` (POLLIN, POLLOUT). DM2_TIMEOUT, DM2_INTERRUPTED, DM2_NET; *err says only
@@ -59,8 +59,8 @@ enum dm2_status socket_listen(const char *address, int port, int *fd, char bound
 enum dm2_status socket_is_loopback(const char *address, int *loopback, struct dm2_error *err);
 
 /* Takes the next connection. *peer gets "addr:port". Failures of one connection (it went away before it was
- * taken) and shortages of this machine (descriptors, memory) are not the listener's: such a call gives DM2_OK and
- * *fd = -1. In a shortage the connection is still there: wait a little before the next try. DM2_TIMEOUT,
+ * taken) and shortages of this machine (descriptors, memory) are not the listener's: such a call gives DM2_OK
+ * and *fd = -1. In a shortage the connection is still there: wait a little before the next try. DM2_TIMEOUT,
  * DM2_INTERRUPTED, DM2_NET. */
 enum dm2_status socket_accept(int listener, struct deadline until, int *fd, char peer[SOCKET_NAME],
                               struct dm2_error *err);
@@ -75,7 +75,8 @@ enum dm2_status socket_connect(const char *host, int port, struct deadline until
 enum dm2_status socket_read_some(int fd, void *out, size_t n, size_t *got, int *closed,
                                  struct dm2_error *err);
 
-/* What is there now, up to n bytes, without taking it: the next read gets it again. As socket_read_some else. */
+/* What is there now, up to n bytes, without taking it: the next read gets it again. As socket_read_some else.
+ */
 enum dm2_status socket_peek(int fd, void *out, size_t n, size_t *got, int *closed, struct dm2_error *err);
 
 /* Writes what goes now: *put = 0 where the connection takes nothing. */

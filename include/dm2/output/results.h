@@ -1,20 +1,20 @@
 /* The run directory: what a run leaves on disk (docs: README, "The run directory").
  *
  *   history.csv            one row per measured step, units in the header line
- *   profile-NAME.csv       one row per bin and measured step of each profile of the deck (dm2/engine/profile.h)
- *   fragments.csv          one row per snapshot: how many fragments there are (output/fragments.h)
- *   final.dm2              the state after the last step (dm2/output/state.h)
- *   checkpoint.dm2         the newest checkpoint (dm2/output/state.h); checkpoint.prev.dm2 is the one before it
- *   snapshots/state-*.vtp  states at the steps that the deck names, with series.pvd (ParaView),
+ *   profile-NAME.csv       one row per bin and measured step of each profile of the deck
+ * (dm2/engine/profile.h) fragments.csv          one row per snapshot: how many fragments there are
+ * (output/fragments.h) final.dm2              the state after the last step (dm2/output/state.h)
+ *   checkpoint.dm2         the newest checkpoint (dm2/output/state.h); checkpoint.prev.dm2 is the one before
+ * it snapshots/state-*.vtp  states at the steps that the deck names, with series.pvd (ParaView),
  *   snapshots/state-*.xyz  and/or extended XYZ (OVITO) (output/snapshot.h)
  *   run.log, timing.csv    texts that the program writes with results_text
  *
  * Every file is written under a temporary name (its own with ".part" at the end), brought to disk and
  * renamed, so a file under its final name is always whole. The tables that grow with the run, history.csv,
- * profile-NAME.csv and fragments.csv, get their final names in results_close only: a run that ended early leaves no
- * history and no final state, while the snapshots that it completed stay. One that has written a checkpoint leaves
- * its tables under their temporary names: they are on disk up to the checkpoint's step before the checkpoint is, and
- * results_continue takes them over. The bytes of all but run.log and timing.csv
+ * profile-NAME.csv and fragments.csv, get their final names in results_close only: a run that ended early
+ * leaves no history and no final state, while the snapshots that it completed stay. One that has written a
+ * checkpoint leaves its tables under their temporary names: they are on disk up to the checkpoint's step
+ * before the checkpoint is, and results_continue takes them over. The bytes of all but run.log and timing.csv
  * depend on the deck and the results alone.
  *
  * Every function that returns a status: DM2_IO with the path and the system's reason, or DM2_MEMORY. After a
@@ -51,10 +51,11 @@ enum dm2_status results_open(const char *directory, bool overwrite, const struct
                              struct measure_scales scales, const uint8_t digest[RESULTS_DIGEST_BYTES],
                              struct results **out, struct dm2_error *err);
 
-/* The same for a run that continues from a checkpoint of step `step` in the directory `source`, whose tables are taken
- * over up to that step: rows of later steps go, none is missing or there twice. Where `directory` is `source`, it goes
- * on there; else the directory is prepared as by results_open, and the rows are copied into it, while snapshots stay
- * where they are. DM2_PROTOCOL where the tables do not have the rows before the checkpoint: which, and what to do. */
+/* The same for a run that continues from a checkpoint of step `step` in the directory `source`, whose tables
+ * are taken over up to that step: rows of later steps go, none is missing or there twice. Where `directory`
+ * is `source`, it goes on there; else the directory is prepared as by results_open, and the rows are copied
+ * into it, while snapshots stay where they are. DM2_PROTOCOL where the tables do not have the rows before the
+ * checkpoint: which, and what to do. */
 enum dm2_status results_continue(const char *directory, bool overwrite, const char *source, int64_t step,
                                  const struct config *config, struct measure_scales scales,
                                  const uint8_t digest[RESULTS_DIGEST_BYTES], struct results **out,
@@ -86,11 +87,11 @@ bool results_profile_due(const struct config *c, size_t which, int64_t step);
 /* Whether any of these is due, so that the step has to measure. */
 bool results_measure_due(const struct config *c, int64_t step);
 
-/* This and the following two: a step that is there already is not written again. A run that went back to an earlier
- * state repeats such steps, with the same numbers.
+/* This and the following two: a step that is there already is not written again. A run that went back to an
+ * earlier state repeats such steps, with the same numbers.
  *
- * Appends the row of one step. The column `total` = kinetic + potential + elastic + thermal + chemical + phase - work is what
- * an exact integration keeps constant; it is summed exactly before it is rounded. */
+ * Appends the row of one step. The column `total` = kinetic + potential + elastic + thermal + chemical +
+ * phase - work is what an exact integration keeps constant; it is summed exactly before it is rounded. */
 enum dm2_status results_history(struct results *r, int64_t step, const struct measures *m,
                                 struct dm2_error *err);
 

@@ -10,11 +10,11 @@
  *   step             u64
  *   n_elements       u64
  *   n_pairs          u64
- *   elements         ids ascending, 146 bytes each: id u32, grain u32, body u16, kind u16, flags u8, probes u8,
- *                    then as f64 radius, mass, r[2], v[2], w, heat, p, work, strain[3], then bonds u16, was u16, and as f64
+ *   elements         ids ascending, 146 bytes each: id u32, grain u32, body u16, kind u16, flags u8, probes
+ * u8, then as f64 radius, mass, r[2], v[2], w, heat, p, work, strain[3], then bonds u16, was u16, and as f64
  *                    share[2], moved
- *   pairs            (id_a, id_b) ascending, 25 bytes each: id_a u32, id_b u32, linked u8, stretch f64, spring f64
- *   crc              u32      CRC-32C of all bytes before it
+ *   pairs            (id_a, id_b) ascending, 25 bytes each: id_a u32, id_b u32, linked u8, stretch f64,
+ * spring f64 crc              u32      CRC-32C of all bytes before it
  */
 #ifndef DM2_OUTPUT_STATE_H
 #define DM2_OUTPUT_STATE_H

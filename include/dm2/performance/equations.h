@@ -46,7 +46,8 @@ struct perf {
 struct perf perf_paper(void);
 
 /* DM2_USAGE that names the constant: one that is not finite, or not above 0 (m and b: below 0), or outside
- * 1e-30..1e30; no network row, more than one for a number of servers, rows out of order; sizes out of order. */
+ * 1e-30..1e30; no network row, more than one for a number of servers, rows out of order; sizes out of order.
+ */
 enum dm2_status perf_check(const struct perf *p, struct dm2_error *err);
 
 /* Sets m (or, with is_b, b) of the row for `servers` servers, adding the row where there is none; what it
@@ -62,9 +63,9 @@ struct perf perf_faster(const struct perf *p, double processors, double network)
  * with N and b stays. True where there is a row: measured, not inferred. */
 bool perf_network(const struct perf *p, int servers, double *m, double *b);
 
-/* k for n elements on each of `busy` of `processors` processors that share caches and memory. Between two sizes on the
- * straight line in log n, beyond the first and the last as there; between one busy processor and all of them on the
- * straight line in their number. p->k where the constants have no sizes. */
+/* k for n elements on each of `busy` of `processors` processors that share caches and memory. Between two
+ * sizes on the straight line in log n, beyond the first and the last as there; between one busy processor and
+ * all of them on the straight line in their number. p->k where the constants have no sizes. */
 double perf_k_at(const struct perf *p, double n, int busy, int processors);
 
 /* Eq. (7), of which (5) and (6) are the conditions: n_x n_y = n and d_x n_x / (d_y n_y) = s. */
