@@ -19,10 +19,10 @@ void *mem_alloc(size_t count, size_t size)
     return block;
 }
 
-int mem_grow(void **block, size_t *cap, size_t used, size_t need, size_t size)
+void *mem_grown(void *item, size_t *cap, size_t used, size_t need, size_t size)
 {
-    if (need <= *cap)
-        return 0;
+    if (need <= *cap && item != NULL)
+        return item;
     size_t bigger = *cap + *cap / 2;
     if (bigger < need)
         bigger = need;
@@ -30,11 +30,19 @@ int mem_grow(void **block, size_t *cap, size_t used, size_t need, size_t size)
         bigger = 16;
     void *grown = mem_alloc(bigger, size);
     if (grown == NULL)
-        return -1;
+        return NULL;
     if (used > 0)
-        memcpy(grown, *block, used * size);
-    free(*block);
-    *block = grown;
+        memcpy(grown, item, used * size);
+    free(item);
     *cap = bigger;
+    return grown;
+}
+
+int mem_grow(void **block, size_t *cap, size_t used, size_t need, size_t size)
+{
+    void *grown = mem_grown(*block, cap, used, need, size);
+    if (grown == NULL)
+        return -1;
+    *block = grown;
     return 0;
 }

@@ -11,6 +11,16 @@ void *mem_zalloc(size_t count, size_t size);
 /* The same, not zeroed and aligned to 64 bytes (a cache line). Free with free(). */
 void *mem_alloc(size_t count, size_t size);
 
+/* An array of at least `need` items of `size` bytes that begins with the first `used` items of `item`, which
+ * is freed where it was too small. *cap is the capacity in items and grows geometrically. NULL without
+ * memory: then `item` and *cap are as they were.
+ *
+ *     struct thing *grown = mem_grown(list->item, &list->cap, list->n, list->n + 1, sizeof *grown);
+ *     if (grown == NULL)
+ *         return no_memory(err);
+ *     list->item = grown; */
+void *mem_grown(void *item, size_t *cap, size_t used, size_t need, size_t size);
+
 /* Makes *block hold at least `need` items of `size` bytes, keeping the first `used` items. *cap is the
  * capacity in items and grows geometrically. Returns 0, or -1 with *block and *cap as they were. */
 int mem_grow(void **block, size_t *cap, size_t used, size_t need, size_t size);
