@@ -7,15 +7,6 @@
 
 #include "dm2/base/grid.h"
 
-double check_contact_distance(const struct config *c)
-{
-    double most = 0;
-    for (size_t i = 0; i < c->n_bodies; i++)
-        if (c->bodies[i].radius > most)
-            most = c->bodies[i].radius;
-    return 2 * most;
-}
-
 static void check_domain(const struct deck_binding *b)
 {
     const struct config *c = b->config;
@@ -24,10 +15,10 @@ static void check_domain(const struct deck_binding *b)
     struct grid grid;
     struct dm2_error err;
     double reach = c->r_c + c->delta_r;
-    if (c->r_c < check_contact_distance(c))
+    if (c->r_c < config_contact_distance(c))
         findings_error(b->findings, binding_place(b, block, "r_c", 0),
                        "r_c = %s cm is below the contact distance of %g cm, so that contacts would be missed",
-                       number_text(c->r_c, &r_c), check_contact_distance(c));
+                       number_text(c->r_c, &r_c), config_contact_distance(c));
     /* False where one of them is NaN. */
     bool known = reach > 0 && c->size[0] > 0 && c->size[1] > 0;
     for (int a = 0; a < 2; a++)

@@ -15,7 +15,4 @@ bool check_bodies(const struct deck_binding *b);
 void check_materials(const struct deck_binding *b);
 void check_chemistry(const struct deck_binding *b); /* phases and the reaction */
 
-/* The contact distance of the two largest elements, cm; 0 without a body whose radius is known. */
-double check_contact_distance(const struct config *c);
-
 #endif

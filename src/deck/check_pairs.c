@@ -148,7 +148,7 @@ static void check_yield(const struct pair_check *p)
 static void check_ranges(const struct pair_check *p)
 {
     const struct config *c = p->b->config;
-    double reach = p->law.link_break * check_contact_distance(c);
+    double reach = p->law.link_break * config_contact_distance(c);
     struct number_text a, b;
     if (p->law.scope == SCOPE_LINKED && set(p, "cutoff"))
         findings_warn(p->b->findings, key_place(p, "cutoff"), "'cutoff' has no meaning for the scope linked");
@@ -156,7 +156,7 @@ static void check_ranges(const struct pair_check *p)
         findings_error(p->b->findings, key_place(p, "cutoff"),
                        "'cutoff' = %s cm is beyond r_c = %s cm, up to which pairs are found",
                        number_text(p->law.cutoff, &a), number_text(c->r_c, &b));
-    if ((p->law.linked || p->law.link_form > 0) && c->r_c < reach && c->r_c >= check_contact_distance(c))
+    if ((p->law.linked || p->law.link_form > 0) && c->r_c < reach && c->r_c >= config_contact_distance(c))
         findings_error(p->b->findings, binding_place(p->b, p->b->single[BLOCK_DOMAIN], "r_c", 0),
                        "r_c = %s cm is below %g cm, to where links stretch before they break at link_break",
                        number_text(c->r_c, &a), reach);

@@ -67,6 +67,15 @@ const char *config_kind_name(const struct config *c, size_t kind, struct kind_na
     return out->text;
 }
 
+double config_contact_distance(const struct config *c)
+{
+    double most = 0;
+    for (size_t i = 0; i < c->n_bodies; i++)
+        if (c->bodies[i].radius > most)
+            most = c->bodies[i].radius;
+    return 2 * most;
+}
+
 enum dm2_status config_fail(const char *place, struct dm2_error *err, enum dm2_status status,
                             const char *format, ...)
 {

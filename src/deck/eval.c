@@ -195,7 +195,7 @@ static bool eval_word(struct evaluation *e, const struct deck_node *node, struct
         *out = (struct quantity){unit_value("1", 1, unit), unit.dim};
         return true;
     }
-    struct word_list known = expr_let_names(e->tree);
+    struct word_list known = deck_tree_let_names(e->tree);
     struct word_hint hint;
     struct place_text text;
     findings_error(e->findings, node->op_place, "'%s' is neither a let nor a unit%s",
@@ -269,14 +269,4 @@ bool expr_reserved(const char *word, size_t length, const char **why)
     else
         return false;
     return true;
-}
-
-static const char *let_name(const void *context, size_t i)
-{
-    return ((const struct deck_tree *)context)->lets[i].name;
-}
-
-struct word_list expr_let_names(const struct deck_tree *tree)
-{
-    return (struct word_list){let_name, tree, tree->n_lets};
 }

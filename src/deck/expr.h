@@ -2,7 +2,6 @@
 #ifndef DM2_DECK_EXPR_H
 #define DM2_DECK_EXPR_H
 
-#include "dm2/base/words.h"
 #include "lex.h"
 #include "tree.h"
 
@@ -39,8 +38,5 @@ bool expr_eval_let(const struct deck_tree *tree, struct deck_let *let, struct fi
 
 /* A word that a let cannot take: unit, function, constant. Says which in *why. */
 bool expr_reserved(const char *word, size_t length, const char **why);
-
-/* The names of all lets, for suggestions. */
-struct word_list expr_let_names(const struct deck_tree *tree);
 
 #endif

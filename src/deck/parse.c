@@ -143,47 +143,6 @@ static void parse_let(struct deck_parser *p)
         finish_statement(p);
 }
 
-static int compare_lets(const void *a, const void *b)
-{
-    const struct deck_let *x = a, *y = b;
-    int order = strcmp(x->name, y->name);
-    if (order != 0)
-        return order;
-    if (x->place.text != y->place.text)
-        return x->place.text < y->place.text ? -1 : 1;
-    return x->place.offset < y->place.offset ? -1 : x->place.offset > y->place.offset;
-}
-
-/* Sorts the lets by name and reports names that were given twice. */
-static void sort_lets(struct deck_tree *tree, struct findings *findings)
-{
-    if (tree->n_lets > 0)
-        qsort(tree->lets, tree->n_lets, sizeof tree->lets[0], compare_lets);
-    for (size_t i = 1; i < tree->n_lets; i++)
-        if (strcmp(tree->lets[i].name, tree->lets[i - 1].name) == 0)
-            findings_error(findings, tree->lets[i].place, "the let '%s' was defined before",
-                           tree->lets[i].name);
-}
-
-struct deck_let *deck_tree_let(const struct deck_tree *tree, const char *name, size_t length)
-{
-    size_t low = 0, high = tree->n_lets;
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        const char *other = tree->lets[middle].name;
-        int order = strncmp(other, name, length);
-        if (order == 0 && other[length] != '\0')
-            order = 1;
-        if (order == 0)
-            return &tree->lets[middle];
-        if (order < 0)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return NULL;
-}
-
 /* One -D: its let gets another expression. */
 static void parse_define(struct deck_parser *p)
 {
@@ -201,7 +160,7 @@ static void parse_define(struct deck_parser *p)
     const char *word = place_bytes(p->findings->source, name);
     struct deck_let *let = deck_tree_let(p->tree, word, name.length);
     if (let == NULL) {
-        struct word_list known = expr_let_names(p->tree);
+        struct word_list known = deck_tree_let_names(p->tree);
         struct word_hint hint;
         struct place_text text;
         findings_error(p->findings, name, "the deck has no let '%s' to override%s",
@@ -494,32 +453,10 @@ bool deck_parse(struct deck_tree *tree, struct findings *findings)
         *bad = (struct deck_node){.kind = NODE_BAD, .depth = 1, .a = -1, .b = -1, .next = -1};
         tree->end = (struct deck_place){0, source->texts[0].length, 0};
         if (parse_text(&parse, 0)) {
-            sort_lets(tree, findings);
+            deck_tree_sort_lets(tree, findings);
             (void)parse_defines(&parse);
         }
     }
     free(parse.state);
     return !findings->no_memory;
-}
-
-const struct deck_entry *deck_tree_entry(const struct deck_tree *tree, const struct deck_block *block,
-                                         const char *key)
-{
-    for (size_t i = 0; i < block->n_entries; i++) {
-        const struct deck_entry *entry = &tree->entries[block->first_entry + i];
-        if (place_is(tree->source, entry->key, key))
-            return entry;
-    }
-    return NULL;
-}
-
-void deck_tree_free(struct deck_tree *tree)
-{
-    free(tree->nodes);
-    free(tree->lets);
-    free(tree->values);
-    free(tree->names);
-    free(tree->entries);
-    free(tree->blocks);
-    *tree = (struct deck_tree){0};
 }

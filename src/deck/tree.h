@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "dm2/base/words.h"
 #include "findings.h"
 #include "units.h"
 
@@ -76,11 +77,17 @@ void deck_tree_free(struct deck_tree *tree);
  * finding and left out or marked bad. False: no memory. */
 bool deck_parse(struct deck_tree *tree, struct findings *findings);
 
-/* The let of this name; NULL: none. Only once parsing is over. */
+/* Sorts the lets by name. A name that was given twice is a finding. */
+void deck_tree_sort_lets(struct deck_tree *tree, struct findings *findings);
+
+/* The let of this name; NULL: none. Only after deck_tree_sort_lets. */
 struct deck_let *deck_tree_let(const struct deck_tree *tree, const char *name, size_t length);
 
 /* The entry of a block with this key; NULL: none. */
 const struct deck_entry *deck_tree_entry(const struct deck_tree *tree, const struct deck_block *block,
                                          const char *key);
+
+/* The names of all lets, for suggestions; valid as long as the tree. */
+struct word_list deck_tree_let_names(const struct deck_tree *tree);
 
 #endif

@@ -216,6 +216,9 @@ static inline size_t config_kinds(const struct config *c)
     return c->n_materials + c->n_phases;
 }
 
+/* The contact distance of the two largest elements, cm; 0 without a body whose radius is known. */
+double config_contact_distance(const struct config *c);
+
 /* Name of a kind of element: its material, and behind a slash its phase where that is not the first. */
 struct kind_name {
     char text[2 * NAME_MAX_LENGTH + 2];
