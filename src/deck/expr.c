@@ -57,12 +57,13 @@ static const struct token *take(struct deck_parser *p)
 static int32_t node_new(struct deck_parser *p, struct deck_node node)
 {
     struct deck_tree *tree = p->tree;
-    void *block = tree->nodes;
-    if (mem_grow(&block, &tree->cap_nodes, tree->n_nodes, tree->n_nodes + 1, sizeof node) != 0) {
+    struct deck_node *grown =
+        mem_grown(tree->nodes, &tree->cap_nodes, tree->n_nodes, tree->n_nodes + 1, sizeof *grown);
+    if (grown == NULL) {
         p->findings->no_memory = true;
         return 0;
     }
-    tree->nodes = block;
+    tree->nodes = grown;
     tree->nodes[tree->n_nodes] = node;
     return (int32_t)tree->n_nodes++;
 }

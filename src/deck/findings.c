@@ -118,12 +118,12 @@ struct output {
 
 static void put(struct output *out, const char *bytes, size_t n)
 {
-    void *block = out->text;
-    if (out->failed || mem_grow(&block, &out->cap, out->used, out->used + n + 1, 1) != 0) {
+    char *grown = out->failed ? NULL : mem_grown(out->text, &out->cap, out->used, out->used + n + 1, 1);
+    if (grown == NULL) {
         out->failed = true;
         return;
     }
-    out->text = block;
+    out->text = grown;
     memcpy(out->text + out->used, bytes, n);
     out->used += n;
     out->text[out->used] = '\0';

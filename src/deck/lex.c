@@ -45,12 +45,13 @@ static struct deck_place place(const struct lexer *lex, size_t from, size_t to)
 
 static bool push(struct lexer *lex, int kind, size_t from, size_t to)
 {
-    void *block = lex->out->items;
-    if (mem_grow(&block, &lex->out->cap, lex->out->n, lex->out->n + 2, sizeof(struct token)) != 0) {
+    struct tokens *out = lex->out;
+    struct token *grown = mem_grown(out->items, &out->cap, out->n, out->n + 2, sizeof *grown);
+    if (grown == NULL) {
         lex->findings->no_memory = true;
         return false;
     }
-    lex->out->items = block;
+    out->items = grown;
     if (kind != TOKEN_END && *lex->budget == 0) {
         findings_error(lex->findings, place(lex, from, to), "the deck has more than %d tokens",
                        DECK_MAX_TOKENS);
@@ -58,7 +59,7 @@ static bool push(struct lexer *lex, int kind, size_t from, size_t to)
     }
     if (kind != TOKEN_END)
         --*lex->budget;
-    lex->out->items[lex->out->n++] = (struct token){kind, lex->spaced, from, to - from};
+    out->items[out->n++] = (struct token){kind, lex->spaced, from, to - from};
     lex->spaced = false;
     lex->at = to;
     return true;

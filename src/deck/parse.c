@@ -27,13 +27,15 @@ static bool parse_text(struct parse *parse, int text);
 /* Appends one item to an array of the tree and gives it zeroed; NULL: no memory. */
 static void *append(struct findings *f, void *array, size_t *n, size_t *cap, size_t size)
 {
-    void **block = array, *grown = *block;
-    if (mem_grow(&grown, cap, *n, *n + 1, size) != 0) {
+    void *items;
+    memcpy(&items, array, sizeof items);
+    items = mem_grown(items, cap, *n, *n + 1, size);
+    if (items == NULL) {
         f->no_memory = true;
         return NULL;
     }
-    *block = grown;
-    void *item = (char *)grown + *n * size;
+    memcpy(array, &items, sizeof items);
+    void *item = (char *)items + *n * size;
     memset(item, 0, size);
     ++*n;
     return item;
