@@ -10,14 +10,9 @@
 #include "expr.h"
 #include "source.h"
 
-/* Reports for when there is nothing to make one of. Never freed. */
-static char no_memory_text[] = "no memory to read the deck\n";
-static char no_text_text[] = "the deck has no text\n";
-
 void deck_report_free(struct deck_report *report)
 {
-    if (report->text != no_memory_text && report->text != no_text_text)
-        free(report->text);
+    free(report->owned);
     *report = (struct deck_report){0};
 }
 
@@ -64,10 +59,10 @@ static bool read_deck(const struct deck_source *source, struct config *out, stru
 enum dm2_status deck_load(const struct deck_source *source, struct config *out, struct deck_report *report)
 {
     memset(out, 0, sizeof *out);
-    *report = (struct deck_report){.text = no_text_text, .n_errors = 1};
+    *report = (struct deck_report){.text = "the deck has no text\n", .n_errors = 1};
     if (source->n_texts == 0)
         return DM2_DECK;
-    report->text = no_memory_text;
+    report->text = "no memory to read the deck\n";
     struct findings *findings = mem_zalloc(1, sizeof *findings);
     if (findings == NULL)
         return DM2_MEMORY;
@@ -78,7 +73,7 @@ enum dm2_status deck_load(const struct deck_source *source, struct config *out, 
     char *text = ok ? findings_render(findings) : NULL;
     enum dm2_status status = text == NULL ? DM2_MEMORY : findings->n_errors > 0 ? DM2_DECK : DM2_OK;
     if (text != NULL)
-        *report = (struct deck_report){text, findings->n_errors, findings->n_warnings};
+        *report = (struct deck_report){text, text, findings->n_errors, findings->n_warnings};
     free(findings);
     if (status != DM2_OK)
         config_free(out);

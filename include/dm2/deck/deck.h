@@ -39,7 +39,8 @@ void deck_source_free(struct deck_source *source);
 /* Every finding in a deck. The report is the finished text: per finding `file:line:column: error: ...` or
  * `warning: ...`, the line, and a caret; at most 20 errors, then "too many errors". */
 struct deck_report {
-    char *text; /* NUL-terminated, never NULL after deck_load */
+    const char *text; /* NUL-terminated, never NULL after deck_load */
+    char *owned;      /* the same where deck_report_free frees the text; NULL: a constant */
     int n_errors, n_warnings;
 };
 void deck_report_free(struct deck_report *report);
