@@ -111,20 +111,12 @@ static bool find_kinds(struct deck_binding *b)
 {
     struct deck_tree *tree = b->tree;
     b->kinds = mem_zalloc(tree->n_blocks, sizeof *b->kinds);
-    b->material_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
-    b->body_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
-    b->probe_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
-    b->profile_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
-    b->rule_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
-    b->phase_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
-    b->reaction_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
-    b->void_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
-    b->flaw_block = mem_zalloc(tree->n_blocks, sizeof(size_t));
-    if (b->void_block == NULL || b->flaw_block == NULL)
-        return false;
-    if (b->kinds == NULL || b->material_block == NULL || b->body_block == NULL || b->probe_block == NULL ||
-        b->profile_block == NULL || b->rule_block == NULL || b->phase_block == NULL ||
-        b->reaction_block == NULL)
+    bool ok = b->kinds != NULL;
+    for (int kind = 0; kind < BLOCK_COUNT; kind++) {
+        b->blocks[kind] = mem_zalloc(tree->n_blocks, sizeof(size_t));
+        ok = ok && b->blocks[kind] != NULL;
+    }
+    if (!ok)
         return false;
     for (int kind = 0; kind < BLOCK_COUNT; kind++)
         b->single[kind] = tree->n_blocks;
@@ -286,20 +278,85 @@ static void read_block(struct deck_binding *b, size_t block, void *base)
     check_missing_keys(b, block, set);
 }
 
-static bool bind_materials(struct deck_binding *b)
+/* The radius and the distance of rows follow from the spacing. */
+static void finish_body(struct deck_binding *b, size_t block, void *item)
 {
-    struct config *c = b->config;
-    size_t n = collect(b, BLOCK_MATERIAL, MATERIAL_MAX, b->material_block, 0);
-    c->materials = mem_zalloc(n, sizeof *c->materials);
-    if (c->materials == NULL)
-        return false;
-    c->n_materials = n;
-    for (size_t i = 0; i < n; i++) {
-        schema_defaults(schema_block(BLOCK_MATERIAL), &c->materials[i]);
-        read_block(b, b->material_block[i], &c->materials[i]);
-    }
-    return n == 0 || name_things(b, b->material_block, n, c->materials[0].name, sizeof *c->materials);
+    struct body_config *body = item;
+    if (entry_of(b, block, "row_spacing") == NULL)
+        body->row_spacing =
+            body->lattice == LATTICE_HEXAGONAL ? body->spacing * 0.86602540378443864676 : body->spacing;
+    if (entry_of(b, block, "radius") == NULL)
+        body->radius = body->spacing / 2;
+    if (binding_given(b, block, "solid_fraction"))
+        body->packing_place = findings_place(b->findings, binding_place(b, block, "solid_fraction", 0));
 }
+
+/* The range follows from the domain, the interval from the number of steps. */
+static void finish_profile(struct deck_binding *b, size_t block, void *item)
+{
+    const struct config *c = b->config;
+    struct profile_config *profile = item;
+    if (entry_of(b, block, "range") == NULL) {
+        profile->range[0] = c->origin[profile->axis];
+        profile->range[1] = c->origin[profile->axis] + c->size[profile->axis];
+    }
+    if (profile->every < 1)
+        profile->every = c->steps / 20 > 1 ? c->steps / 20 : 1;
+}
+
+/* Blocks of one kind that fill an array of the config, an item each. An item begins with its name. */
+struct thing {
+    size_t most, size;   /* items that a deck may have; bytes of an item */
+    size_t items, count; /* offsets in struct config of the array and of the number of its items */
+    const void *initial; /* an item before the schema's defaults; NULL: zeros */
+    void (*finish)(struct deck_binding *b, size_t block, void *item); /* fills what follows from the values */
+};
+
+static const struct reaction_config initial_reaction = {.reactant = {-1, -1}, .product = -1};
+static const struct void_config initial_void = {.body = -1};
+static const struct flaw_config initial_flaw = {.body = -1};
+
+static const struct thing things[BLOCK_COUNT] = {
+    [BLOCK_MATERIAL] = {MATERIAL_MAX, sizeof(struct material_config), offsetof(struct config, materials),
+                        offsetof(struct config, n_materials), NULL, NULL},
+    [BLOCK_REACTION] = {REACTION_MAX, sizeof(struct reaction_config), offsetof(struct config, reactions),
+                        offsetof(struct config, n_reactions), &initial_reaction, NULL},
+    [BLOCK_BODY] = {BODY_MAX, sizeof(struct body_config), offsetof(struct config, bodies),
+                    offsetof(struct config, n_bodies), NULL, finish_body},
+    [BLOCK_VOID] = {VOID_MAX, sizeof(struct void_config), offsetof(struct config, voids),
+                    offsetof(struct config, n_voids), &initial_void, NULL},
+    [BLOCK_FLAW] = {FLAW_MAX, sizeof(struct flaw_config), offsetof(struct config, flaws),
+                    offsetof(struct config, n_flaws), &initial_flaw, NULL},
+    [BLOCK_PROBE] = {PROBE_MAX, sizeof(struct probe_config), offsetof(struct config, probes),
+                     offsetof(struct config, n_probes), NULL, NULL},
+    [BLOCK_PROFILE] = {PROFILE_MAX, sizeof(struct profile_config), offsetof(struct config, profiles),
+                       offsetof(struct config, n_profiles), NULL, finish_profile},
+};
+
+/* Fills the array of things[kind] from all blocks of this kind. False: no memory. */
+static bool bind_things(struct deck_binding *b, enum block_kind kind)
+{
+    const struct thing *thing = &things[kind];
+    const size_t *blocks = b->blocks[kind];
+    size_t n = collect(b, kind, thing->most, b->blocks[kind], 0);
+    char *items = mem_zalloc(n, thing->size);
+    if (items == NULL)
+        return false;
+    memcpy((char *)b->config + thing->items, &items, sizeof items);
+    memcpy((char *)b->config + thing->count, &n, sizeof n);
+    for (size_t i = 0; i < n; i++) {
+        char *item = items + i * thing->size;
+        if (thing->initial != NULL)
+            memcpy(item, thing->initial, thing->size);
+        schema_defaults(schema_block(kind), item);
+        read_block(b, blocks[i], item);
+        if (thing->finish != NULL)
+            thing->finish(b, blocks[i], item);
+    }
+    return n == 0 || name_things(b, blocks, n, items, thing->size);
+}
+
+/* --- phases --- */
 
 /* The constants that the deck does not give are those of the phase it forms from, which stands before it. */
 static void inherit(struct deck_binding *b, size_t block, const struct material_config *from,
@@ -322,7 +379,7 @@ static void inherit(struct deck_binding *b, size_t block, const struct material_
 static int phase_from(struct deck_binding *b, size_t i)
 {
     const struct phase_config *phases = b->config->phases, *phase = &phases[i];
-    struct deck_place place = binding_place(b, b->phase_block[i], "from", 0);
+    struct deck_place place = binding_place(b, b->blocks[BLOCK_PHASE][i], "from", 0);
     if (phase->from_name[0] == '\0')
         return -1;
     for (size_t k = 0; k < i; k++)
@@ -336,13 +393,13 @@ static int phase_from(struct deck_binding *b, size_t i)
 static bool bind_phases(struct deck_binding *b)
 {
     struct config *c = b->config;
-    size_t n = collect(b, BLOCK_PHASE, PHASE_MAX, b->phase_block, 0);
+    size_t n = collect(b, BLOCK_PHASE, PHASE_MAX, b->blocks[BLOCK_PHASE], 0);
     c->phases = mem_zalloc(n, sizeof *c->phases);
     if (c->phases == NULL)
         return false;
     for (size_t k = 0; k < n; k++) {
         struct phase_config *phase = &c->phases[c->n_phases];
-        size_t block = b->phase_block[c->n_phases] = b->phase_block[k];
+        size_t block = b->blocks[BLOCK_PHASE][c->n_phases] = b->blocks[BLOCK_PHASE][k];
         struct deck_place name = name_of(b, block, 1);
         *phase = (struct phase_config){.material = binding_material(b, name_of(b, block, 0))};
         memcpy(phase->name, place_bytes(b->tree->source, name), name.length);
@@ -362,117 +419,6 @@ static bool bind_phases(struct deck_binding *b)
         c->n_phases++;
     }
     return true;
-}
-
-static bool bind_reactions(struct deck_binding *b)
-{
-    struct config *c = b->config;
-    size_t n = collect(b, BLOCK_REACTION, REACTION_MAX, b->reaction_block, 0);
-    c->reactions = mem_zalloc(n, sizeof *c->reactions);
-    if (c->reactions == NULL)
-        return false;
-    c->n_reactions = n;
-    for (size_t i = 0; i < n; i++) {
-        struct reaction_config *r = &c->reactions[i];
-        *r = (struct reaction_config){.reactant = {-1, -1}, .product = -1};
-        schema_defaults(schema_block(BLOCK_REACTION), r);
-        read_block(b, b->reaction_block[i], r);
-    }
-    return n == 0 || name_things(b, b->reaction_block, n, c->reactions[0].name, sizeof *c->reactions);
-}
-
-static bool bind_bodies(struct deck_binding *b)
-{
-    struct config *c = b->config;
-    size_t n = collect(b, BLOCK_BODY, BODY_MAX, b->body_block, 0);
-    c->bodies = mem_zalloc(n, sizeof *c->bodies);
-    if (c->bodies == NULL)
-        return false;
-    c->n_bodies = n;
-    for (size_t i = 0; i < n; i++) {
-        struct body_config *body = &c->bodies[i];
-        size_t block = b->body_block[i];
-        schema_defaults(schema_block(BLOCK_BODY), body);
-        read_block(b, block, body);
-        if (entry_of(b, block, "row_spacing") == NULL)
-            body->row_spacing =
-                body->lattice == LATTICE_HEXAGONAL ? body->spacing * 0.86602540378443864676 : body->spacing;
-        if (entry_of(b, block, "radius") == NULL)
-            body->radius = body->spacing / 2;
-        if (binding_given(b, block, "solid_fraction"))
-            body->packing_place = findings_place(b->findings, binding_place(b, block, "solid_fraction", 0));
-    }
-    return n == 0 || name_things(b, b->body_block, n, c->bodies[0].name, sizeof *c->bodies);
-}
-
-static bool bind_probes(struct deck_binding *b)
-{
-    struct config *c = b->config;
-    size_t n = collect(b, BLOCK_PROBE, PROBE_MAX, b->probe_block, 0);
-    c->probes = mem_zalloc(n, sizeof *c->probes);
-    if (c->probes == NULL)
-        return false;
-    c->n_probes = n;
-    for (size_t i = 0; i < n; i++) {
-        schema_defaults(schema_block(BLOCK_PROBE), &c->probes[i]);
-        read_block(b, b->probe_block[i], &c->probes[i]);
-    }
-    return n == 0 || name_things(b, b->probe_block, n, c->probes[0].name, sizeof *c->probes);
-}
-
-/* After domain and time, which the defaults come from. */
-static bool bind_profiles(struct deck_binding *b)
-{
-    struct config *c = b->config;
-    size_t n = collect(b, BLOCK_PROFILE, PROFILE_MAX, b->profile_block, 0);
-    c->profiles = mem_zalloc(n, sizeof *c->profiles);
-    if (c->profiles == NULL)
-        return false;
-    c->n_profiles = n;
-    for (size_t i = 0; i < n; i++) {
-        struct profile_config *profile = &c->profiles[i];
-        size_t block = b->profile_block[i];
-        schema_defaults(schema_block(BLOCK_PROFILE), profile);
-        read_block(b, block, profile);
-        if (entry_of(b, block, "range") == NULL) {
-            profile->range[0] = c->origin[profile->axis];
-            profile->range[1] = c->origin[profile->axis] + c->size[profile->axis];
-        }
-        if (profile->every < 1)
-            profile->every = c->steps / 20 > 1 ? c->steps / 20 : 1;
-    }
-    return n == 0 || name_things(b, b->profile_block, n, c->profiles[0].name, sizeof *c->profiles);
-}
-
-static bool bind_voids(struct deck_binding *b)
-{
-    struct config *c = b->config;
-    size_t n = collect(b, BLOCK_VOID, VOID_MAX, b->void_block, 0);
-    c->voids = mem_zalloc(n, sizeof *c->voids);
-    if (c->voids == NULL)
-        return false;
-    c->n_voids = n;
-    for (size_t i = 0; i < n; i++) {
-        c->voids[i].body = -1;
-        read_block(b, b->void_block[i], &c->voids[i]);
-    }
-    return n == 0 || name_things(b, b->void_block, n, c->voids[0].name, sizeof *c->voids);
-}
-
-static bool bind_flaws(struct deck_binding *b)
-{
-    struct config *c = b->config;
-    size_t n = collect(b, BLOCK_FLAW, FLAW_MAX, b->flaw_block, 0);
-    c->flaws = mem_zalloc(n, sizeof *c->flaws);
-    if (c->flaws == NULL)
-        return false;
-    c->n_flaws = n;
-    for (size_t i = 0; i < n; i++) {
-        c->flaws[i].body = -1;
-        schema_defaults(schema_block(BLOCK_FLAW), &c->flaws[i]);
-        read_block(b, b->flaw_block[i], &c->flaws[i]);
-    }
-    return n == 0 || name_things(b, b->flaw_block, n, c->flaws[0].name, sizeof *c->flaws);
 }
 
 /* --- interactions --- */
@@ -517,15 +463,15 @@ static long rule_key(const struct interaction_rule *rule)
 static bool bind_rules(struct deck_binding *b)
 {
     struct config *c = b->config;
-    size_t n = collect(b, BLOCK_INTERACTION, RULE_MAX, b->rule_block, 0);
-    n = collect(b, BLOCK_INTERFACE, RULE_MAX, b->rule_block, n);
+    size_t n = collect(b, BLOCK_INTERACTION, RULE_MAX, b->blocks[BLOCK_INTERACTION], 0);
+    n = collect(b, BLOCK_INTERFACE, RULE_MAX, b->blocks[BLOCK_INTERACTION], n);
     unsigned char *seen =
         mem_zalloc((size_t)(RELATION_COUNT + 1) * (MATERIAL_MAX + 1) * (MATERIAL_MAX + 1), 1);
     c->rules = mem_zalloc(n, sizeof *c->rules);
     bool ok = c->rules != NULL && seen != NULL;
     for (size_t i = 0; ok && i < n; i++) {
         struct interaction_rule *rule = &c->rules[c->n_rules];
-        size_t block = b->rule_block[i];
+        size_t block = b->blocks[BLOCK_INTERACTION][i];
         bool head = rule_head(b, block, rule);
         read_entries(b, block, &rule->value, &rule->set, &rule->bad);
         if (head && seen[rule_key(rule)])
@@ -534,7 +480,7 @@ static bool bind_rules(struct deck_binding *b)
         if (!head)
             continue;
         seen[rule_key(rule)] = 1;
-        b->rule_block[c->n_rules++] = block;
+        b->blocks[BLOCK_INTERACTION][c->n_rules++] = block;
     }
     free(seen);
     return ok;
@@ -559,8 +505,9 @@ bool deck_bind(struct deck_binding *b, int64_t steps)
     schema_defaults(schema_block(BLOCK_TIME), c);
     schema_defaults(schema_block(BLOCK_OUTPUT), c);
     c->output.vtp = true;
-    bool ok = bind_materials(b) && bind_phases(b) && bind_reactions(b) && bind_rules(b) && bind_bodies(b) &&
-              bind_voids(b) && bind_flaws(b) && bind_probes(b);
+    bool ok = bind_things(b, BLOCK_MATERIAL) && bind_phases(b) && bind_things(b, BLOCK_REACTION) &&
+              bind_rules(b) && bind_things(b, BLOCK_BODY) && bind_things(b, BLOCK_VOID) &&
+              bind_things(b, BLOCK_FLAW) && bind_things(b, BLOCK_PROBE);
     bind_single(b, BLOCK_DOMAIN);
     bind_single(b, BLOCK_TIME);
     if (binding_given(b, b->single[BLOCK_TIME], "dt"))
@@ -569,7 +516,8 @@ bool deck_bind(struct deck_binding *b, int64_t steps)
     check_missing_blocks(b);
     if (steps >= 0)
         c->steps = steps;
-    ok = bind_profiles(b) && ok;
+    /* After the domain and the time, from which finish_profile takes its defaults. */
+    ok = bind_things(b, BLOCK_PROFILE) && ok;
     if (c->output.history_every < 0)
         c->output.history_every = c->steps / 200 > 150 ? c->steps / 200 : 150;
     b->findings->no_memory |= !ok;
@@ -579,13 +527,6 @@ bool deck_bind(struct deck_binding *b, int64_t steps)
 void deck_binding_free(struct deck_binding *b)
 {
     free(b->kinds);
-    free(b->material_block);
-    free(b->body_block);
-    free(b->probe_block);
-    free(b->profile_block);
-    free(b->void_block);
-    free(b->flaw_block);
-    free(b->rule_block);
-    free(b->phase_block);
-    free(b->reaction_block);
+    for (int kind = 0; kind < BLOCK_COUNT; kind++)
+        free(b->blocks[kind]);
 }

@@ -16,11 +16,11 @@ struct deck_binding {
     struct deck_tree *tree;
     struct findings *findings;
     struct config *config;
-    bool steps_replaced;        /* by --steps */
-    enum block_kind *kinds;     /* of each block of the tree; BLOCK_COUNT: unknown */
-    size_t single[BLOCK_COUNT]; /* index of the first block of a kind; tree->n_blocks: none */
-    size_t *material_block, *body_block, *probe_block, *profile_block, *rule_block, *void_block, *flaw_block,
-        *phase_block, *reaction_block; /* of config->materials etc. */
+    bool steps_replaced;         /* by --steps */
+    enum block_kind *kinds;      /* of each block of the tree; BLOCK_COUNT: unknown */
+    size_t single[BLOCK_COUNT];  /* index of the first block of a kind; tree->n_blocks: none */
+    size_t *blocks[BLOCK_COUNT]; /* blocks[kind][i]: the block of the i-th item of config->materials and so
+                                  * on; of config->rules: [BLOCK_INTERACTION] */
 };
 
 /* Fills *b and b->config, both empty at the start but for tree, findings and config. A real value that was

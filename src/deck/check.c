@@ -46,9 +46,9 @@ static void check_profiles(const struct deck_binding *b)
     for (size_t i = 0; i < c->n_profiles; i++) {
         const double *range = c->profiles[i].range;
         struct number_text from, to;
-        if (range[0] >= range[1] && binding_given(b, b->profile_block[i], "range"))
+        if (range[0] >= range[1] && binding_given(b, b->blocks[BLOCK_PROFILE][i], "range"))
             findings_error(
-                b->findings, binding_place(b, b->profile_block[i], "range", 0),
+                b->findings, binding_place(b, b->blocks[BLOCK_PROFILE][i], "range", 0),
                 "the range of a profile goes from a smaller to a larger coordinate, not from %s to %s cm",
                 number_text(range[0], &from), number_text(range[1], &to));
     }

@@ -11,7 +11,7 @@ enum { BOX_WORDS = 4 };
 
 static bool body_shape_known(const struct deck_binding *b, size_t body)
 {
-    return binding_given(b, b->body_block[body], "shape");
+    return binding_given(b, b->blocks[BLOCK_BODY][body], "shape");
 }
 
 /* What is wrong with the shape alone; NULL: nothing. */
@@ -30,7 +30,7 @@ static const char *shape_problem(const struct shape_config *s)
 
 static bool check_shape(const struct deck_binding *b, size_t i)
 {
-    struct deck_place place = binding_place(b, b->body_block[i], "shape", 0);
+    struct deck_place place = binding_place(b, b->blocks[BLOCK_BODY][i], "shape", 0);
     const char *problem = shape_problem(&b->config->bodies[i].shape);
     if (problem != NULL)
         findings_error(b->findings, place, "%s", problem);
@@ -40,7 +40,7 @@ static bool check_shape(const struct deck_binding *b, size_t i)
 static void check_mix(const struct deck_binding *b, size_t i)
 {
     const struct body_config *body = &b->config->bodies[i];
-    size_t block = b->body_block[i];
+    size_t block = b->blocks[BLOCK_BODY][i];
     struct number_text t, tm;
     double sum = 0;
     if (binding_missing(b, block, "material") && binding_missing(b, block, "mix"))
@@ -66,7 +66,7 @@ static void check_mix(const struct deck_binding *b, size_t i)
 static void check_motion(const struct deck_binding *b, size_t i)
 {
     const struct body_config *body = &b->config->bodies[i];
-    size_t block = b->body_block[i];
+    size_t block = b->blocks[BLOCK_BODY][i];
     if (body->motion == MOTION_FIXED && (body->velocity[0] != 0 || body->velocity[1] != 0) &&
         binding_given(b, block, "velocity"))
         findings_error(b->findings, binding_place(b, block, "velocity", 0),
@@ -90,7 +90,7 @@ static void check_structure(const struct deck_binding *b, size_t i)
     static const char *const names[] = {"crystal", "polycrystal", "discs", "polygons"};
     const struct body_config *body = &b->config->bodies[i];
     const char *structure = names[body->structure];
-    size_t block = b->body_block[i];
+    size_t block = b->blocks[BLOCK_BODY][i];
     struct number_text size, spacing;
     bool crystal = body->structure == STRUCTURE_CRYSTAL,
          powder = !crystal && body->structure != STRUCTURE_POLYCRYSTAL;
@@ -139,7 +139,7 @@ static void check_in_domain(const struct deck_binding *b, size_t i)
         inside = inside && box[a] >= low && box[a + 2] <= high;
         outside = outside || box[a] >= high || box[a + 2] <= low;
     }
-    struct deck_place place = binding_place(b, b->body_block[i], "shape", 0);
+    struct deck_place place = binding_place(b, b->blocks[BLOCK_BODY][i], "shape", 0);
     if (outside)
         findings_error(b->findings, place, "the body '%s' lies outside the domain", c->bodies[i].name);
     else if (!inside)
@@ -151,14 +151,14 @@ static double estimate(const struct body_config *body)
     return shape_area(&body->shape) / (body->spacing * body->row_spacing);
 }
 
-struct extent {
+struct body_box {
     double box[BOX_WORDS];
     size_t body;
 };
 
-static int compare_extents(const void *a, const void *b)
+static int compare_boxes(const void *a, const void *b)
 {
-    const struct extent *x = a, *y = b;
+    const struct body_box *x = a, *y = b;
     if (x->box[0] != y->box[0])
         return x->box[0] < y->box[0] ? -1 : 1;
     return x->body < y->body ? -1 : x->body > y->body;
@@ -182,8 +182,9 @@ static void check_overlap(const struct deck_binding *b, size_t i, size_t j)
     /* The later one of the deck is told about. */
     size_t first = i < j ? i : j, second = i < j ? j : i;
     const struct body_config *x = &b->config->bodies[first], *y = &b->config->bodies[second];
-    struct deck_place place = binding_place(b, b->body_block[second], "shape", 0);
-    bool bad = binding_bad(b, b->body_block[i], "velocity") || binding_bad(b, b->body_block[j], "velocity");
+    struct deck_place place = binding_place(b, b->blocks[BLOCK_BODY][second], "shape", 0);
+    bool bad = binding_bad(b, b->blocks[BLOCK_BODY][i], "velocity") ||
+               binding_bad(b, b->blocks[BLOCK_BODY][j], "velocity");
     if (bad || !shape_overlaps(&x->shape, &y->shape) || room_made(b->config, first, second))
         return;
     if (x->velocity[0] != y->velocity[0] || x->velocity[1] != y->velocity[1])
@@ -195,30 +196,29 @@ static void check_overlap(const struct deck_binding *b, size_t i, size_t j)
 }
 
 /* Sweeps over the bodies from left to right. */
-static void check_overlaps(const struct deck_binding *b, struct extent *extents, size_t n)
+static void check_overlaps(const struct deck_binding *b, struct body_box *boxes, size_t n)
 {
-    qsort(extents, n, sizeof *extents, compare_extents);
+    qsort(boxes, n, sizeof *boxes, compare_boxes);
     for (size_t i = 0; i < n; i++)
-        for (size_t j = i + 1; j < n && extents[j].box[0] < extents[i].box[2] && !b->findings->more_errors;
-             j++)
-            check_overlap(b, extents[i].body, extents[j].body);
+        for (size_t j = i + 1; j < n && boxes[j].box[0] < boxes[i].box[2] && !b->findings->more_errors; j++)
+            check_overlap(b, boxes[i].body, boxes[j].body);
 }
 
-static void check_probes(const struct deck_binding *b, const struct extent *extents, size_t n)
+static void check_probes(const struct deck_binding *b, const struct body_box *boxes, size_t n)
 {
     for (size_t i = 0; i < b->config->n_probes; i++) {
         const double *box = b->config->probes[i].box;
-        struct deck_place place = binding_place(b, b->probe_block[i], "region", 0);
+        struct deck_place place = binding_place(b, b->blocks[BLOCK_PROBE][i], "region", 0);
         struct shape_config region = {.kind = SHAPE_RECTANGLE, .box = {box[0], box[1], box[2], box[3]}};
         bool meets = n < b->config->n_bodies || n == 0;
-        if (!binding_given(b, b->probe_block[i], "region"))
+        if (!binding_given(b, b->blocks[BLOCK_PROBE][i], "region"))
             continue;
         if (!(box[0] < box[2] && box[1] < box[3])) {
             findings_error(b->findings, place, "a region is x0 y0 x1 y1 with x0 < x1 and y0 < y1");
             continue;
         }
         for (size_t j = 0; j < n && !meets; j++)
-            meets = shape_overlaps(&region, &b->config->bodies[extents[j].body].shape);
+            meets = shape_overlaps(&region, &b->config->bodies[boxes[j].body].shape);
         if (!meets)
             findings_error(b->findings, place, "the region of the probe '%s' holds no body",
                            b->config->probes[i].name);
@@ -242,7 +242,7 @@ static void check_voids(const struct deck_binding *b)
 {
     for (size_t i = 0; i < b->config->n_voids; i++) {
         const struct void_config *v = &b->config->voids[i];
-        size_t block = b->void_block[i];
+        size_t block = b->blocks[BLOCK_VOID][i];
         if (!binding_given(b, block, "shape") || binding_bad(b, block, "body"))
             continue;
         const char *problem = shape_problem(&v->shape);
@@ -271,7 +271,7 @@ static void check_flaws(const struct deck_binding *b)
 {
     for (size_t i = 0; i < b->config->n_flaws; i++) {
         const struct flaw_config *f = &b->config->flaws[i];
-        size_t block = b->flaw_block[i];
+        size_t block = b->blocks[BLOCK_FLAW][i];
         struct shape_config s = sliver(f->line);
         if (!binding_given(b, block, "line") || binding_bad(b, block, "body"))
             continue;
@@ -288,8 +288,8 @@ bool check_bodies(const struct deck_binding *b)
 {
     size_t n = 0;
     double elements = 0;
-    struct extent *extents = mem_zalloc(b->config->n_bodies, sizeof *extents);
-    if (extents == NULL) {
+    struct body_box *boxes = mem_zalloc(b->config->n_bodies, sizeof *boxes);
+    if (boxes == NULL) {
         b->findings->no_memory = true;
         return false;
     }
@@ -301,21 +301,21 @@ bool check_bodies(const struct deck_binding *b)
         if (!body_shape_known(b, i) || !check_shape(b, i))
             continue;
         check_in_domain(b, i);
-        shape_box(&body->shape, extents[n].box);
-        extents[n++].body = i;
+        shape_box(&body->shape, boxes[n].box);
+        boxes[n++].body = i;
         double own = estimate(body);
         elements += own > 0 ? own : 0;
         if (elements > DECK_MAX_ELEMENTS) {
-            findings_error(b->findings, binding_place(b, b->body_block[i], "spacing", 0),
+            findings_error(b->findings, binding_place(b, b->blocks[BLOCK_BODY][i], "spacing", 0),
                            "the deck would have about %.3g elements with the body '%s'; the most is %.3g",
                            elements, body->name, DECK_MAX_ELEMENTS);
             elements = 0;
         }
     }
-    check_overlaps(b, extents, n);
-    check_probes(b, extents, n);
+    check_overlaps(b, boxes, n);
+    check_probes(b, boxes, n);
     check_voids(b);
     check_flaws(b);
-    free(extents);
+    free(boxes);
     return true;
 }

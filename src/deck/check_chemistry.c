@@ -24,7 +24,7 @@ static void check_hysteresis(const struct deck_binding *b, size_t i)
     struct number_text got, want;
     double cp = phase->state.cp < from->cp ? phase->state.cp : from->cp;
     double drop = phase->latent / cp, ratio = from->rho0 / phase->state.rho0;
-    struct deck_place place = binding_place(b, b->phase_block[i], "hysteresis_t", 0);
+    struct deck_place place = binding_place(b, b->blocks[BLOCK_PHASE][i], "hysteresis_t", 0);
     if (phase->reversible && phase->transition == TRANSITION_TEMPERATURE && phase->hysteresis_t <= drop &&
         drop > 0)
         findings_error(b->findings, place,
@@ -34,7 +34,7 @@ static void check_hysteresis(const struct deck_binding *b, size_t i)
                        number_text(phase->hysteresis_t, &got), number_text(drop, &want), phase->name);
     double relief = from->rho0 * (from->c0 * from->c0) * (1.0 - ratio);
     if (phase->reversible && phase->transition == TRANSITION_PRESSURE && phase->hysteresis_p < 0.5 * relief)
-        findings_warn(b->findings, binding_place(b, b->phase_block[i], "hysteresis_p", 0),
+        findings_warn(b->findings, binding_place(b, b->blocks[BLOCK_PHASE][i], "hysteresis_p", 0),
                       "hysteresis_p = %s Mbar is small against the pressure that the smaller volume of '%s' "
                       "relieves, about %s "
                       "Mbar: elements may go to and fro",
@@ -53,7 +53,7 @@ static void check_start(const struct deck_binding *b, size_t i)
                            : body->temperature - (phase->t_line - phase->dt_dp * phase->p_line);
         for (size_t m = 0; m < body->n_mix; m++)
             if (body->mix_material[m] == phase->material && above > 0)
-                findings_error(b->findings, binding_place(b, b->body_block[k], "temperature", 0),
+                findings_error(b->findings, binding_place(b, b->blocks[BLOCK_BODY][k], "temperature", 0),
                                "the body '%s' starts at %s K and without pressure, where its material '%s' "
                                "is already the "
                                "phase '%s'",
@@ -66,7 +66,7 @@ static void check_phase(const struct deck_binding *b, size_t i)
 {
     const struct phase_config *phase = &b->config->phases[i];
     const struct material_config *from = state_before(b->config, phase);
-    size_t block = b->phase_block[i], parent = b->material_block[phase->material];
+    size_t block = b->blocks[BLOCK_PHASE][i], parent = b->blocks[BLOCK_MATERIAL][phase->material];
     bool by_pressure = phase->transition == TRANSITION_PRESSURE;
     if (!binding_given(b, block, "transition"))
         return;
@@ -93,7 +93,7 @@ static void check_reaction(const struct deck_binding *b, size_t i)
 {
     const struct config *c = b->config;
     const struct reaction_config *r = &c->reactions[i];
-    size_t block = b->reaction_block[i];
+    size_t block = b->blocks[BLOCK_REACTION][i];
     struct number_text first, other;
     const int material[3] = {r->reactant[0], r->reactant[1], r->product};
     if (r->kind == REACTION_STOICHIOMETRIC && binding_missing(b, block, "masses"))
@@ -111,7 +111,7 @@ static void check_reaction(const struct deck_binding *b, size_t i)
     for (int a = 0; a < 3; a++) {
         const struct material_config *m = &c->materials[material[a]];
         const char *key = a < 2 ? "reactants" : "product";
-        if (binding_missing(b, b->material_block[material[a]], "cp"))
+        if (binding_missing(b, b->blocks[BLOCK_MATERIAL][material[a]], "cp"))
             findings_error(b->findings, binding_place(b, block, key, a < 2 ? (size_t)a : 0),
                            "the material '%s' lacks 'cp', which its reaction needs", m->name);
         if (m->t0 < c->materials[material[0]].t0 || m->t0 > c->materials[material[0]].t0)

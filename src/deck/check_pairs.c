@@ -16,7 +16,7 @@ struct pair_check {
 static void check_material(const struct deck_binding *b, size_t i)
 {
     const struct material_config *m = &b->config->materials[i];
-    size_t block = b->material_block[i];
+    size_t block = b->blocks[BLOCK_MATERIAL][i];
     struct number_text t0, tm;
     if (binding_missing(b, block, "rho0") && binding_missing(b, block, "mass"))
         findings_error(b->findings, binding_place(b, block, "rho0", 0),
@@ -42,7 +42,7 @@ static size_t deciding_block(const struct pair_check *p, const char *key)
 {
     int rule =
         interaction_rule_of(p->b->config, p->materials[0], p->materials[1], p->relation, key_index(key));
-    return rule < 0 ? p->b->tree->n_blocks : p->b->rule_block[rule];
+    return rule < 0 ? p->b->tree->n_blocks : p->b->blocks[BLOCK_INTERACTION][rule];
 }
 
 static bool set(const struct pair_check *p, const char *key)
@@ -97,7 +97,7 @@ static void check_potential(const struct pair_check *p)
             "'epsilon' and 'sigma' go together, or neither is given and both follow from the stiffness");
     }
     for (int i = 0; i < 2 && !morse; i++)
-        if (binding_given(p->b, p->b->material_block[p->materials[i]], "s") && !set(p, "epsilon"))
+        if (binding_given(p->b, p->b->blocks[BLOCK_MATERIAL][p->materials[i]], "s") && !set(p, "epsilon"))
             findings_warn(
                 p->b->findings, key_place(p, "potential"),
                 "the potential %s has s = %s built in: only rho0 c0^2 of '%s' can be fitted, not its s",
@@ -112,7 +112,7 @@ static void check_calibration(const struct pair_check *p)
     bool stiffness = !set(p, "k") && !(p->law.potential == POTENTIAL_LENNARD_JONES && set(p, "epsilon"));
     bool shape = p->law.potential == POTENTIAL_MORSE && !set(p, "shape");
     for (int i = 0; i < 2; i++) {
-        size_t block = p->b->material_block[p->materials[i]];
+        size_t block = p->b->blocks[BLOCK_MATERIAL][p->materials[i]];
         const char *name = p->b->config->materials[p->materials[i]].name;
         /* Without rho0 and mass the material has its own finding. */
         bool massive = binding_given(p->b, block, "mass");
@@ -135,7 +135,7 @@ static void check_calibration(const struct pair_check *p)
 static void check_yield(const struct pair_check *p)
 {
     int m = p->materials[0];
-    size_t block = p->b->material_block[m];
+    size_t block = p->b->blocks[BLOCK_MATERIAL][m];
     if (p->materials[1] == m && !set(p, "kt_ratio") && p->b->config->materials[m].yield > 0 &&
         binding_given(p->b, block, "yield") && binding_missing(p->b, block, "shear"))
         findings_warn(
