@@ -71,7 +71,7 @@ static void check_single(struct deck_binding *b, size_t block)
                        schema_block(kind)->name);
 }
 
-static bool named(enum block_kind kind)
+static bool kind_is_named(enum block_kind kind)
 {
     return kind == BLOCK_MATERIAL || kind == BLOCK_BODY || kind == BLOCK_PROBE || kind == BLOCK_PROFILE ||
            kind == BLOCK_VOID || kind == BLOCK_FLAW || kind == BLOCK_PHASE || kind == BLOCK_REACTION;
@@ -85,7 +85,7 @@ static bool check_head(struct deck_binding *b, size_t block)
     size_t extra = b->kinds[block] == BLOCK_INTERFACE ? 1 : 0, n = at->n_names;
     bool ok = schema->single                   ? n == 0
               : b->kinds[block] == BLOCK_PHASE ? n == 2
-              : named(b->kinds[block])         ? n == 1
+              : kind_is_named(b->kinds[block]) ? n == 1
                                                : n == extra || n == extra + 2;
     struct place_text text;
     if (!ok) {
@@ -96,7 +96,7 @@ static bool check_head(struct deck_binding *b, size_t block)
                            schema->name, schema->names, n, n == 1 ? "" : "s");
         return false;
     }
-    for (size_t i = 0; i < n && named(b->kinds[block]); i++) {
+    for (size_t i = 0; i < n && kind_is_named(b->kinds[block]); i++) {
         struct deck_place name = name_of(b, block, i);
         if (place_bytes(b->tree->source, name)[0] == '"' || name.length > NAME_MAX_LENGTH) {
             findings_error(b->findings, name, "a name is letters, digits and _, at most %d, not %s",
@@ -159,7 +159,8 @@ static void check_missing_blocks(struct deck_binding *b)
 /* --- the things that blocks describe --- */
 
 /* How many blocks of this kind have a good head; their indices go to `blocks`. */
-static size_t collect(struct deck_binding *b, enum block_kind kind, size_t max, size_t *blocks, size_t used)
+static size_t collect_blocks(struct deck_binding *b, enum block_kind kind, size_t max, size_t *blocks,
+                             size_t used)
 {
     for (size_t i = 0; i < b->tree->n_blocks; i++) {
         if (b->kinds[i] != kind || !check_head(b, i))
@@ -338,7 +339,7 @@ static bool bind_things(struct deck_binding *b, enum block_kind kind)
 {
     const struct thing *thing = &things[kind];
     const size_t *blocks = b->blocks[kind];
-    size_t n = collect(b, kind, thing->most, b->blocks[kind], 0);
+    size_t n = collect_blocks(b, kind, thing->most, b->blocks[kind], 0);
     char *items = mem_zalloc(n, thing->size);
     if (items == NULL)
         return false;
@@ -359,8 +360,8 @@ static bool bind_things(struct deck_binding *b, enum block_kind kind)
 /* --- phases --- */
 
 /* The constants that the deck does not give are those of the phase it forms from, which stands before it. */
-static void inherit(struct deck_binding *b, size_t block, const struct material_config *from,
-                    struct material_config *to)
+static void inherit_constants(struct deck_binding *b, size_t block, const struct material_config *from,
+                              struct material_config *to)
 {
     const struct block_schema *schema = schema_block(BLOCK_PHASE);
     for (size_t i = 0; i < schema->n_keys; i++) {
@@ -376,7 +377,7 @@ static void inherit(struct deck_binding *b, size_t block, const struct material_
 }
 
 /* The phase that phase i forms from: -1, the material; -2 after a finding. */
-static int phase_from(struct deck_binding *b, size_t i)
+static int find_parent_phase(struct deck_binding *b, size_t i)
 {
     const struct phase_config *phases = b->config->phases, *phase = &phases[i];
     struct deck_place place = binding_place(b, b->blocks[BLOCK_PHASE][i], "from", 0);
@@ -393,7 +394,7 @@ static int phase_from(struct deck_binding *b, size_t i)
 static bool bind_phases(struct deck_binding *b)
 {
     struct config *c = b->config;
-    size_t n = collect(b, BLOCK_PHASE, PHASE_MAX, b->blocks[BLOCK_PHASE], 0);
+    size_t n = collect_blocks(b, BLOCK_PHASE, PHASE_MAX, b->blocks[BLOCK_PHASE], 0);
     c->phases = mem_zalloc(n, sizeof *c->phases);
     if (c->phases == NULL)
         return false;
@@ -411,11 +412,12 @@ static bool bind_phases(struct deck_binding *b)
             if (c->phases[i].material == phase->material && strcmp(c->phases[i].name, phase->name) == 0)
                 findings_error(b->findings, name, "the material '%s' has a phase '%s' before",
                                c->materials[phase->material].name, phase->name);
-        phase->from = phase_from(b, c->n_phases);
+        phase->from = find_parent_phase(b, c->n_phases);
         if (phase->from == -2)
             continue;
-        inherit(b, block, phase->from < 0 ? &c->materials[phase->material] : &c->phases[phase->from].state,
-                &phase->state);
+        inherit_constants(b, block,
+                          phase->from < 0 ? &c->materials[phase->material] : &c->phases[phase->from].state,
+                          &phase->state);
         c->n_phases++;
     }
     return true;
@@ -423,7 +425,7 @@ static bool bind_phases(struct deck_binding *b)
 
 /* --- interactions --- */
 
-static bool rule_head(struct deck_binding *b, size_t block, struct interaction_rule *rule)
+static bool read_rule_head(struct deck_binding *b, size_t block, struct interaction_rule *rule)
 {
     static const char relations[] = "grain|body";
     size_t first = 0;
@@ -454,7 +456,7 @@ static bool rule_head(struct deck_binding *b, size_t block, struct interaction_r
 }
 
 /* One number for what a rule is about. */
-static long rule_key(const struct interaction_rule *rule)
+static long rule_pair_index(const struct interaction_rule *rule)
 {
     return ((long)(rule->relation + 1) * (MATERIAL_MAX + 1) + rule->material[0] + 1) * (MATERIAL_MAX + 1) +
            rule->material[1] + 1;
@@ -463,8 +465,8 @@ static long rule_key(const struct interaction_rule *rule)
 static bool bind_rules(struct deck_binding *b)
 {
     struct config *c = b->config;
-    size_t n = collect(b, BLOCK_INTERACTION, RULE_MAX, b->blocks[BLOCK_INTERACTION], 0);
-    n = collect(b, BLOCK_INTERFACE, RULE_MAX, b->blocks[BLOCK_INTERACTION], n);
+    size_t n = collect_blocks(b, BLOCK_INTERACTION, RULE_MAX, b->blocks[BLOCK_INTERACTION], 0);
+    n = collect_blocks(b, BLOCK_INTERFACE, RULE_MAX, b->blocks[BLOCK_INTERACTION], n);
     unsigned char *seen =
         mem_zalloc((size_t)(RELATION_COUNT + 1) * (MATERIAL_MAX + 1) * (MATERIAL_MAX + 1), 1);
     c->rules = mem_zalloc(n, sizeof *c->rules);
@@ -472,14 +474,14 @@ static bool bind_rules(struct deck_binding *b)
     for (size_t i = 0; ok && i < n; i++) {
         struct interaction_rule *rule = &c->rules[c->n_rules];
         size_t block = b->blocks[BLOCK_INTERACTION][i];
-        bool head = rule_head(b, block, rule);
+        bool head = read_rule_head(b, block, rule);
         read_entries(b, block, &rule->value, &rule->set, &rule->bad);
-        if (head && seen[rule_key(rule)])
+        if (head && seen[rule_pair_index(rule)])
             findings_error(b->findings, block_at(b, block)->word,
                            "there is a block for the same pair before");
         if (!head)
             continue;
-        seen[rule_key(rule)] = 1;
+        seen[rule_pair_index(rule)] = 1;
         b->blocks[BLOCK_INTERACTION][c->n_rules++] = block;
     }
     free(seen);

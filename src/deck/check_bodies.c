@@ -76,8 +76,8 @@ static void check_motion(const struct deck_binding *b, size_t i)
                        "the motion of the body '%s' is prescribed: it has no random velocities", body->name);
 }
 
-static void check_no_meaning(const struct deck_binding *b, size_t block, const char *key,
-                             const char *structure)
+static void refuse_meaningless(const struct deck_binding *b, size_t block, const char *key,
+                               const char *structure)
 {
     if (binding_given(b, block, key))
         findings_error(b->findings, binding_place(b, block, key, 0),
@@ -115,14 +115,14 @@ static void check_structure(const struct deck_binding *b, size_t i)
                        "a grain of %s cm does not fit into the body '%s'", number_text(largest, &size),
                        body->name);
     if (crystal)
-        check_no_meaning(b, block, "grain_size", structure);
+        refuse_meaningless(b, block, "grain_size", structure);
     if (!powder) {
-        check_no_meaning(b, block, "grain_spread", structure);
-        check_no_meaning(b, block, "solid_fraction", structure);
+        refuse_meaningless(b, block, "grain_spread", structure);
+        refuse_meaningless(b, block, "solid_fraction", structure);
     }
     if (!crystal) {
-        check_no_meaning(b, block, "origin", structure);
-        check_no_meaning(b, block, "angle", structure);
+        refuse_meaningless(b, block, "origin", structure);
+        refuse_meaningless(b, block, "angle", structure);
     }
 }
 
@@ -146,7 +146,7 @@ static void check_in_domain(const struct deck_binding *b, size_t i)
         findings_warn(b->findings, place, "the body '%s' lies partly outside the domain", c->bodies[i].name);
 }
 
-static double estimate(const struct body_config *body)
+static double estimate_elements(const struct body_config *body)
 {
     return shape_area(&body->shape) / (body->spacing * body->row_spacing);
 }
@@ -166,7 +166,7 @@ static int compare_boxes(const void *a, const void *b)
 
 /* Has one of the bodies a void of its own where the other is? Then it makes room for it; should it not,
  * elements that overlap are found when they are made. */
-static bool room_made(const struct config *c, size_t i, size_t j)
+static bool void_makes_room(const struct config *c, size_t i, size_t j)
 {
     for (size_t k = 0; k < c->n_voids; k++) {
         int body = c->voids[k].body;
@@ -185,7 +185,7 @@ static void check_overlap(const struct deck_binding *b, size_t i, size_t j)
     struct deck_place place = binding_place(b, b->blocks[BLOCK_BODY][second], "shape", 0);
     bool bad = binding_bad(b, b->blocks[BLOCK_BODY][i], "velocity") ||
                binding_bad(b, b->blocks[BLOCK_BODY][j], "velocity");
-    if (bad || !shape_overlaps(&x->shape, &y->shape) || room_made(b->config, first, second))
+    if (bad || !shape_overlaps(&x->shape, &y->shape) || void_makes_room(b->config, first, second))
         return;
     if (x->velocity[0] != y->velocity[0] || x->velocity[1] != y->velocity[1])
         findings_error(b->findings, place, "the bodies '%s' and '%s' overlap, and their velocities differ",
@@ -255,7 +255,7 @@ static void check_voids(const struct deck_binding *b)
 }
 
 /* The line as a sliver with an area, for shape_overlaps. */
-static struct shape_config sliver(const double line[4])
+static struct shape_config line_sliver(const double line[4])
 {
     double dx = line[2] - line[0], dy = line[3] - line[1], thin = 1e-9;
     struct shape_config s = {.kind = SHAPE_POLYGON,
@@ -272,7 +272,7 @@ static void check_flaws(const struct deck_binding *b)
     for (size_t i = 0; i < b->config->n_flaws; i++) {
         const struct flaw_config *f = &b->config->flaws[i];
         size_t block = b->blocks[BLOCK_FLAW][i];
-        struct shape_config s = sliver(f->line);
+        struct shape_config s = line_sliver(f->line);
         if (!binding_given(b, block, "line") || binding_bad(b, block, "body"))
             continue;
         if (f->line[0] == f->line[2] && f->line[1] == f->line[3])
@@ -303,7 +303,7 @@ bool check_bodies(const struct deck_binding *b)
         check_in_domain(b, i);
         shape_box(&body->shape, boxes[n].box);
         boxes[n++].body = i;
-        double own = estimate(body);
+        double own = estimate_elements(body);
         elements += own > 0 ? own : 0;
         if (elements > DECK_MAX_ELEMENTS) {
             findings_error(b->findings, binding_place(b, b->blocks[BLOCK_BODY][i], "spacing", 0),

@@ -4,13 +4,13 @@
 
 #include "check.h"
 
-static void warn_given(const struct deck_binding *b, size_t block, const char *key, const char *where)
+static void warn_meaningless(const struct deck_binding *b, size_t block, const char *key, const char *where)
 {
     if (binding_given(b, block, key))
         findings_warn(b->findings, binding_place(b, block, key, 0), "'%s' has no meaning for %s", key, where);
 }
 
-static const struct material_config *state_before(const struct config *c, const struct phase_config *phase)
+static const struct material_config *parent_state(const struct config *c, const struct phase_config *phase)
 {
     return phase->from < 0 ? &c->materials[phase->material] : &c->phases[phase->from].state;
 }
@@ -20,7 +20,7 @@ static const struct material_config *state_before(const struct config *c, const 
 static void check_hysteresis(const struct deck_binding *b, size_t i)
 {
     const struct phase_config *phase = &b->config->phases[i];
-    const struct material_config *from = state_before(b->config, phase);
+    const struct material_config *from = parent_state(b->config, phase);
     struct number_text got, want;
     double cp = phase->state.cp < from->cp ? phase->state.cp : from->cp;
     double drop = phase->latent / cp, ratio = from->rho0 / phase->state.rho0;
@@ -42,7 +42,7 @@ static void check_hysteresis(const struct deck_binding *b, size_t i)
 }
 
 /* A body beyond the line at zero pressure would change at its first step. */
-static void check_start(const struct deck_binding *b, size_t i)
+static void check_initial_phase(const struct deck_binding *b, size_t i)
 {
     const struct phase_config *phase = &b->config->phases[i];
     struct number_text t;
@@ -65,15 +65,15 @@ static void check_start(const struct deck_binding *b, size_t i)
 static void check_phase(const struct deck_binding *b, size_t i)
 {
     const struct phase_config *phase = &b->config->phases[i];
-    const struct material_config *from = state_before(b->config, phase);
+    const struct material_config *from = parent_state(b->config, phase);
     size_t block = b->blocks[BLOCK_PHASE][i], parent = b->blocks[BLOCK_MATERIAL][phase->material];
     bool by_pressure = phase->transition == TRANSITION_PRESSURE;
     if (!binding_given(b, block, "transition"))
         return;
-    warn_given(b, block, by_pressure ? "dt_dp" : "dp_dt",
-               by_pressure ? "a transition by pressure" : "a transition by temperature");
-    warn_given(b, block, by_pressure ? "hysteresis_t" : "hysteresis_p",
-               by_pressure ? "a transition by pressure" : "a transition by temperature");
+    warn_meaningless(b, block, by_pressure ? "dt_dp" : "dp_dt",
+                     by_pressure ? "a transition by pressure" : "a transition by temperature");
+    warn_meaningless(b, block, by_pressure ? "hysteresis_t" : "hysteresis_p",
+                     by_pressure ? "a transition by pressure" : "a transition by temperature");
     if (binding_given(b, block, "rho0") && binding_given(b, parent, "mass"))
         findings_error(
             b->findings, binding_place(b, block, "rho0", 0),
@@ -86,7 +86,7 @@ static void check_phase(const struct deck_binding *b, size_t i)
             "the material '%s' lacks 'cp': without it temperatures stay, and the phase '%s' needs them",
             from->name, phase->name);
     check_hysteresis(b, i);
-    check_start(b, i);
+    check_initial_phase(b, i);
 }
 
 static void check_reaction(const struct deck_binding *b, size_t i)
@@ -101,7 +101,7 @@ static void check_reaction(const struct deck_binding *b, size_t i)
                        "the reaction '%s' lacks 'masses': how much of each reactant goes into the product",
                        r->name);
     if (r->kind != REACTION_STOICHIOMETRIC)
-        warn_given(b, block, "masses", "a non-stoichiometric reaction");
+        warn_meaningless(b, block, "masses", "a non-stoichiometric reaction");
     for (int a = 0; a < 3; a++)
         if (material[a] < 0)
             return;

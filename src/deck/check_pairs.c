@@ -45,7 +45,7 @@ static size_t deciding_block(const struct pair_check *p, const char *key)
     return rule < 0 ? p->b->tree->n_blocks : p->b->blocks[BLOCK_INTERACTION][rule];
 }
 
-static bool set(const struct pair_check *p, const char *key)
+static bool is_set(const struct pair_check *p, const char *key)
 {
     return deciding_block(p, key) < p->b->tree->n_blocks;
 }
@@ -91,13 +91,13 @@ static void check_potential(const struct pair_check *p)
     if (!lj) {
         warn_meaningless(p, "epsilon");
         warn_meaningless(p, "sigma");
-    } else if (set(p, "epsilon") != set(p, "sigma")) {
+    } else if (is_set(p, "epsilon") != is_set(p, "sigma")) {
         findings_error(
-            p->b->findings, key_place(p, set(p, "epsilon") ? "epsilon" : "sigma"),
+            p->b->findings, key_place(p, is_set(p, "epsilon") ? "epsilon" : "sigma"),
             "'epsilon' and 'sigma' go together, or neither is given and both follow from the stiffness");
     }
     for (int i = 0; i < 2 && !morse; i++)
-        if (binding_given(p->b, p->b->blocks[BLOCK_MATERIAL][p->materials[i]], "s") && !set(p, "epsilon"))
+        if (binding_given(p->b, p->b->blocks[BLOCK_MATERIAL][p->materials[i]], "s") && !is_set(p, "epsilon"))
             findings_warn(
                 p->b->findings, key_place(p, "potential"),
                 "the potential %s has s = %s built in: only rho0 c0^2 of '%s' can be fitted, not its s",
@@ -109,8 +109,9 @@ static void check_potential(const struct pair_check *p)
 static void check_calibration(const struct pair_check *p)
 {
     static const char *const needed[] = {"rho0", "c0", "s"};
-    bool stiffness = !set(p, "k") && !(p->law.potential == POTENTIAL_LENNARD_JONES && set(p, "epsilon"));
-    bool shape = p->law.potential == POTENTIAL_MORSE && !set(p, "shape");
+    bool stiffness =
+        !is_set(p, "k") && !(p->law.potential == POTENTIAL_LENNARD_JONES && is_set(p, "epsilon"));
+    bool shape = p->law.potential == POTENTIAL_MORSE && !is_set(p, "shape");
     for (int i = 0; i < 2; i++) {
         size_t block = p->b->blocks[BLOCK_MATERIAL][p->materials[i]];
         const char *name = p->b->config->materials[p->materials[i]].name;
@@ -136,7 +137,7 @@ static void check_yield(const struct pair_check *p)
 {
     int m = p->materials[0];
     size_t block = p->b->blocks[BLOCK_MATERIAL][m];
-    if (p->materials[1] == m && !set(p, "kt_ratio") && p->b->config->materials[m].yield > 0 &&
+    if (p->materials[1] == m && !is_set(p, "kt_ratio") && p->b->config->materials[m].yield > 0 &&
         binding_given(p->b, block, "yield") && binding_missing(p->b, block, "shear"))
         findings_warn(
             p->b->findings, binding_place(p->b, block, "yield", 0),
@@ -150,7 +151,7 @@ static void check_ranges(const struct pair_check *p)
     const struct config *c = p->b->config;
     double reach = p->law.link_break * config_contact_distance(c);
     struct number_text a, b;
-    if (p->law.scope == SCOPE_LINKED && set(p, "cutoff"))
+    if (p->law.scope == SCOPE_LINKED && is_set(p, "cutoff"))
         findings_warn(p->b->findings, key_place(p, "cutoff"), "'cutoff' has no meaning for the scope linked");
     if (p->law.scope == SCOPE_ALL && p->law.cutoff > c->r_c)
         findings_error(p->b->findings, key_place(p, "cutoff"),
@@ -194,7 +195,7 @@ static void count_usage(const struct config *c, struct usage *u)
 }
 
 /* Can an element of m in one body meet one of n in another? */
-static bool apart(const struct usage *u, size_t m, size_t n)
+static bool meet_across_bodies(const struct usage *u, size_t m, size_t n)
 {
     if (u->bodies[m] == 0 || u->bodies[n] == 0)
         return false;
@@ -211,7 +212,7 @@ void check_materials(const struct deck_binding *b)
         for (size_t n = 0; n <= m && !b->findings->more_errors; n++) {
             if (u.together[m][n])
                 check_pair(b, (int)n, (int)m, RELATION_SAME_GRAIN);
-            if (apart(&u, m, n))
+            if (meet_across_bodies(&u, m, n))
                 check_pair(b, (int)n, (int)m, RELATION_OTHER_BODY);
         }
     }

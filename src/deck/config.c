@@ -33,7 +33,7 @@ int interaction_rule_of(const struct config *c, int a, int b, enum relation rela
     return best;
 }
 
-static void merge(struct interaction_config *into, const struct interaction_rule *rule)
+static void apply_rule(struct interaction_config *into, const struct interaction_rule *rule)
 {
     const struct block_schema *schema = schema_block(BLOCK_INTERACTION);
     for (size_t i = 0; i < schema->n_keys; i++) {
@@ -52,7 +52,7 @@ struct interaction_config config_interaction(const struct config *c, int a, int 
     for (int rank = 0; rank <= 3; rank++)
         for (size_t i = 0; i < c->n_rules; i++)
             if (interaction_rule_rank(&c->rules[i], a, b, relation) == rank)
-                merge(&out, &c->rules[i]);
+                apply_rule(&out, &c->rules[i]);
     return out;
 }
 

@@ -17,7 +17,7 @@ void deck_report_free(struct deck_report *report)
 }
 
 /* Limits on what comes in, before anything is read. */
-static bool check_source(const struct deck_source *source, struct findings *findings)
+static bool check_limits(const struct deck_source *source, struct findings *findings)
 {
     size_t bytes = 0;
     struct deck_place start = {0, 0, 0};
@@ -68,7 +68,7 @@ enum dm2_status deck_load(const struct deck_source *source, struct config *out, 
         return DM2_MEMORY;
     findings_start(findings, source);
     bool ok = true;
-    if (check_source(source, findings))
+    if (check_limits(source, findings))
         ok = read_deck(source, out, findings);
     char *text = ok ? findings_render(findings) : NULL;
     enum dm2_status status = text == NULL ? DM2_MEMORY : findings->n_errors > 0 ? DM2_DECK : DM2_OK;

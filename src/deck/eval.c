@@ -21,7 +21,7 @@ struct evaluation {
     int depth;
 };
 
-static bool eval(struct evaluation *e, int32_t index, struct quantity *out);
+static bool eval_subtree(struct evaluation *e, int32_t index, struct quantity *out);
 
 static bool fail_dimensions(struct evaluation *e, const struct deck_node *node, const char *what,
                             struct quantity a, struct quantity b)
@@ -32,7 +32,7 @@ static bool fail_dimensions(struct evaluation *e, const struct deck_node *node, 
     return false;
 }
 
-static bool finite_or_fail(struct evaluation *e, const struct deck_node *node, double value)
+static bool check_finite(struct evaluation *e, const struct deck_node *node, double value)
 {
     if (isfinite(value))
         return true;
@@ -40,7 +40,7 @@ static bool finite_or_fail(struct evaluation *e, const struct deck_node *node, d
     return false;
 }
 
-static double power(double base, int n)
+static double raise_to_power(double base, int n)
 {
     double product = 1;
     for (int i = 0; i < (n < 0 ? -n : n); i++)
@@ -67,16 +67,16 @@ static bool eval_power(struct evaluation *e, const struct deck_node *node, struc
         findings_error(e->findings, node->op_place, "the dimension of the result is out of range");
         return false;
     }
-    out->value = power(a.value, n);
-    return finite_or_fail(e, node, out->value);
+    out->value = raise_to_power(a.value, n);
+    return check_finite(e, node, out->value);
 }
 
 static bool eval_binary(struct evaluation *e, const struct deck_node *node, struct quantity *out)
 {
     struct quantity a, b;
     /* Both sides, so that the errors of both are found. */
-    bool ok = eval(e, node->a, &a);
-    ok = eval(e, node->b, &b) && ok;
+    bool ok = eval_subtree(e, node->a, &a);
+    ok = eval_subtree(e, node->b, &b) && ok;
     if (!ok)
         return false;
     *out = a;
@@ -100,7 +100,7 @@ static bool eval_binary(struct evaluation *e, const struct deck_node *node, stru
         }
         out->value = node->op == '*' ? a.value * b.value : a.value / b.value;
     }
-    return finite_or_fail(e, node, out->value);
+    return check_finite(e, node, out->value);
 }
 
 static bool eval_sqrt(struct evaluation *e, const struct deck_node *node, struct quantity *x)
@@ -126,7 +126,7 @@ static bool eval_sqrt(struct evaluation *e, const struct deck_node *node, struct
 
 static bool eval_call(struct evaluation *e, const struct deck_node *node, struct quantity *out)
 {
-    if (!eval(e, node->a, out))
+    if (!eval_subtree(e, node->a, out))
         return false;
     struct dimension_text text;
     struct quantity other;
@@ -139,7 +139,7 @@ static bool eval_call(struct evaluation *e, const struct deck_node *node, struct
     case FUNCTION_MIN:
     case FUNCTION_MAX:
         for (int32_t i = e->tree->nodes[node->a].next; i >= 0; i = e->tree->nodes[i].next) {
-            if (!eval(e, i, &other))
+            if (!eval_subtree(e, i, &other))
                 return false;
             if (!dimension_equal(out->dim, other.dim))
                 return fail_dimensions(e, node, "compare", *out, other);
@@ -168,7 +168,7 @@ static bool eval_let(struct evaluation *e, struct deck_let *let, struct quantity
 {
     if (let->state == LET_UNSEEN) {
         let->state = LET_UNDER_WAY;
-        let->state = eval(e, let->node, &let->value) ? LET_DONE : LET_FAILED;
+        let->state = eval_subtree(e, let->node, &let->value) ? LET_DONE : LET_FAILED;
     }
     *out = let->value;
     return let->state == LET_DONE;
@@ -218,7 +218,7 @@ static bool eval_node(struct evaluation *e, const struct deck_node *node, struct
         findings_error(e->findings, node->place, "expected a number, found a string");
         return false;
     case NODE_NEGATE:
-        if (!eval(e, node->a, out))
+        if (!eval_subtree(e, node->a, out))
             return false;
         out->value = -out->value;
         return true;
@@ -230,7 +230,7 @@ static bool eval_node(struct evaluation *e, const struct deck_node *node, struct
     return false;
 }
 
-static bool eval(struct evaluation *e, int32_t index, struct quantity *out)
+static bool eval_subtree(struct evaluation *e, int32_t index, struct quantity *out)
 {
     const struct deck_node *node = &e->tree->nodes[index];
     *out = (struct quantity){.value = 0};
@@ -247,7 +247,7 @@ static bool eval(struct evaluation *e, int32_t index, struct quantity *out)
 bool expr_eval(const struct deck_tree *tree, int32_t node, struct findings *findings, struct quantity *out)
 {
     struct evaluation e = {tree, findings, 0};
-    return eval(&e, node, out);
+    return eval_subtree(&e, node, out);
 }
 
 bool expr_eval_let(const struct deck_tree *tree, struct deck_let *let, struct findings *findings,

@@ -46,7 +46,7 @@ const char *parser_found(const struct deck_parser *p, const struct token *t, str
     return out->text;
 }
 
-static const struct token *take(struct deck_parser *p)
+static const struct token *take_token(struct deck_parser *p)
 {
     const struct token *t = parser_peek(p);
     if (t->kind != TOKEN_END)
@@ -54,7 +54,7 @@ static const struct token *take(struct deck_parser *p)
     return t;
 }
 
-static int32_t node_new(struct deck_parser *p, struct deck_node node)
+static int32_t add_node(struct deck_parser *p, struct deck_node node)
 {
     struct deck_tree *tree = p->tree;
     struct deck_node *grown =
@@ -68,7 +68,7 @@ static int32_t node_new(struct deck_parser *p, struct deck_node node)
     return (int32_t)tree->n_nodes++;
 }
 
-static int32_t too_deep(struct deck_parser *p, struct deck_place place)
+static int32_t fail_too_deep(struct deck_parser *p, struct deck_place place)
 {
     findings_error(p->findings, place, "this expression is nested more than %d deep; split it with let",
                    DECK_MAX_DEPTH);
@@ -76,8 +76,8 @@ static int32_t too_deep(struct deck_parser *p, struct deck_place place)
 }
 
 /* The node of an operator on one or two nodes. */
-static int32_t node_op(struct deck_parser *p, enum node_kind kind, int op, struct deck_place op_place,
-                       int32_t a, int32_t b)
+static int32_t add_operation(struct deck_parser *p, enum node_kind kind, int op, struct deck_place op_place,
+                             int32_t a, int32_t b)
 {
     const struct deck_node *nodes = p->tree->nodes;
     if (a == 0 || b == 0)
@@ -86,10 +86,10 @@ static int32_t node_op(struct deck_parser *p, enum node_kind kind, int op, struc
     if (b > 0 && nodes[b].depth > depth)
         depth = nodes[b].depth;
     if (depth >= DECK_MAX_DEPTH)
-        return too_deep(p, op_place);
+        return fail_too_deep(p, op_place);
     struct deck_place place =
         b > 0 ? place_span(nodes[a].place, nodes[b].place) : place_span(op_place, nodes[a].place);
-    return node_new(p, (struct deck_node){.kind = kind,
+    return add_node(p, (struct deck_node){.kind = kind,
                                           .op = op,
                                           .depth = depth + 1,
                                           .a = a,
@@ -99,26 +99,26 @@ static int32_t node_op(struct deck_parser *p, enum node_kind kind, int op, struc
                                           .op_place = op_place});
 }
 
-static bool token_unit(const struct deck_parser *p, const struct token *t, struct unit *out)
+static bool find_token_unit(const struct deck_parser *p, const struct token *t, struct unit *out)
 {
     return t->kind == TOKEN_WORD &&
            unit_find(place_bytes(p->findings->source, parser_place(p, t)), t->length, out);
 }
 
 /* The power behind a unit, `^2` or `^-1`; 1 where there is none. False: it does not read. */
-static bool unit_power(struct deck_parser *p, int *power)
+static bool parse_unit_power(struct deck_parser *p, int *power)
 {
     *power = 1;
     if (parser_peek(p)->kind != '^')
         return true;
-    (void)take(p);
+    (void)take_token(p);
     bool negative = parser_peek(p)->kind == '-';
     if (negative)
-        (void)take(p);
+        (void)take_token(p);
     const struct token *t = parser_peek(p);
     const char *digits = place_bytes(p->findings->source, parser_place(p, t));
     if (t->kind == TOKEN_NUMBER && t->length == 1 && digits[0] >= '0' && digits[0] <= '9') {
-        (void)take(p);
+        (void)take_token(p);
         *power = negative ? -(digits[0] - '0') : digits[0] - '0';
         return true;
     }
@@ -135,11 +135,11 @@ static bool parse_unit(struct deck_parser *p, struct unit *unit, const struct to
     *unit = (struct unit){.factor = 1};
     *given = false;
     const struct token *t = parser_peek(p);
-    while (token_unit(p, t, &symbol)) {
+    while (find_token_unit(p, t, &symbol)) {
         struct deck_place at = parser_place(p, t);
         *given = true;
-        (void)take(p);
-        if (!unit_power(p, &power))
+        (void)take_token(p);
+        if (!parse_unit_power(p, &power))
             return false;
         *last = &p->tokens->items[p->at - 1];
         if (!unit_times(*unit, symbol, sign * power, unit)) {
@@ -148,10 +148,10 @@ static bool parse_unit(struct deck_parser *p, struct unit *unit, const struct to
         }
         t = parser_peek(p);
         struct unit next;
-        if ((t->kind != '*' && t->kind != '/') || !token_unit(p, &p->tokens->items[p->at + 1], &next))
+        if ((t->kind != '*' && t->kind != '/') || !find_token_unit(p, &p->tokens->items[p->at + 1], &next))
             return true;
         sign = t->kind == '*' ? 1 : -1;
-        (void)take(p);
+        (void)take_token(p);
         t = parser_peek(p);
     }
     return true;
@@ -159,7 +159,7 @@ static bool parse_unit(struct deck_parser *p, struct unit *unit, const struct to
 
 static int32_t parse_number(struct deck_parser *p)
 {
-    const struct token *t = take(p), *last = t;
+    const struct token *t = take_token(p), *last = t;
     struct unit unit;
     bool with_unit;
     if (!parse_unit(p, &unit, &last, &with_unit))
@@ -175,7 +175,7 @@ static int32_t parse_number(struct deck_parser *p)
                        number.value == 0 ? "small" : "large");
         return 0;
     }
-    return node_new(p, (struct deck_node){.kind = NODE_NUMBER,
+    return add_node(p, (struct deck_node){.kind = NODE_NUMBER,
                                           .depth = 1,
                                           .a = -1,
                                           .b = -1,
@@ -187,8 +187,8 @@ static int32_t parse_number(struct deck_parser *p)
 
 static int32_t parse_leaf(struct deck_parser *p, enum node_kind kind)
 {
-    struct deck_place place = parser_place(p, take(p));
-    return node_new(
+    struct deck_place place = parser_place(p, take_token(p));
+    return add_node(
         p, (struct deck_node){
                .kind = kind, .depth = 1, .a = -1, .b = -1, .next = -1, .place = place, .op_place = place});
 }
@@ -212,7 +212,7 @@ static bool close_paren(struct deck_parser *p, const char *expected)
 }
 
 /* A unit behind `)`: a product with it. */
-static int32_t times_unit(struct deck_parser *p, int32_t a)
+static int32_t multiply_by_unit(struct deck_parser *p, int32_t a)
 {
     struct unit unit;
     bool given;
@@ -223,7 +223,7 @@ static int32_t times_unit(struct deck_parser *p, int32_t a)
         return a;
     struct deck_place place = place_span(parser_place(p, first), parser_place(p, last));
     struct quantity number = {unit_value("1", 1, unit), unit.dim};
-    int32_t b = node_new(p, (struct deck_node){.kind = NODE_NUMBER,
+    int32_t b = add_node(p, (struct deck_node){.kind = NODE_NUMBER,
                                                .depth = 1,
                                                .a = -1,
                                                .b = -1,
@@ -231,23 +231,23 @@ static int32_t times_unit(struct deck_parser *p, int32_t a)
                                                .place = place,
                                                .op_place = place,
                                                .number = number});
-    return node_op(p, NODE_BINARY, '*', place, a, b);
+    return add_operation(p, NODE_BINARY, '*', place, a, b);
 }
 
 static int32_t parse_parentheses(struct deck_parser *p)
 {
-    struct deck_place open = parser_place(p, take(p));
+    struct deck_place open = parser_place(p, take_token(p));
     p->parens++;
     int32_t inner = parse_sum(p);
     if (inner == 0 || !close_paren(p, "')' or an operator"))
         return 0;
     p->tree->nodes[inner].place = place_span(open, parser_place(p, &p->tokens->items[p->at - 1]));
-    return times_unit(p, inner);
+    return multiply_by_unit(p, inner);
 }
 
 static int32_t parse_call(struct deck_parser *p)
 {
-    struct deck_place name = parser_place(p, take(p));
+    struct deck_place name = parser_place(p, take_token(p));
     int function = function_find(place_bytes(p->findings->source, name), name.length);
     if (function < 0) {
         struct word_list known = function_names();
@@ -258,13 +258,13 @@ static int32_t parse_call(struct deck_parser *p)
                        words_hint(&known, place_bytes(p->findings->source, name), name.length, &hint));
         return 0;
     }
-    (void)take(p);
+    (void)take_token(p);
     p->parens++;
     int32_t first = -1, last = -1;
     int n = 0, depth = 0;
     do {
         if (n > 0)
-            (void)take(p);
+            (void)take_token(p);
         int32_t argument = parse_sum(p);
         if (argument == 0)
             return 0;
@@ -287,9 +287,9 @@ static int32_t parse_call(struct deck_parser *p)
         return 0;
     }
     if (depth >= DECK_MAX_DEPTH)
-        return too_deep(p, name);
+        return fail_too_deep(p, name);
     struct deck_place all = place_span(name, parser_place(p, &p->tokens->items[p->at - 1]));
-    int32_t call = node_new(p, (struct deck_node){.kind = NODE_CALL,
+    int32_t call = add_node(p, (struct deck_node){.kind = NODE_CALL,
                                                   .op = function,
                                                   .depth = depth + 1,
                                                   .a = first,
@@ -297,7 +297,7 @@ static int32_t parse_call(struct deck_parser *p)
                                                   .next = -1,
                                                   .place = all,
                                                   .op_place = name});
-    return times_unit(p, call);
+    return multiply_by_unit(p, call);
 }
 
 static int32_t parse_primary(struct deck_parser *p)
@@ -334,8 +334,8 @@ static int32_t parse_power(struct deck_parser *p)
     int32_t base = parse_primary(p);
     if (base == 0 || parser_peek(p)->kind != '^')
         return base;
-    struct deck_place op = parser_place(p, take(p));
-    return node_op(p, NODE_BINARY, '^', op, base, parse_unary(p));
+    struct deck_place op = parser_place(p, take_token(p));
+    return add_operation(p, NODE_BINARY, '^', op, base, parse_unary(p));
 }
 
 /* Every recursion of the reader passes here. */
@@ -344,12 +344,12 @@ static int32_t parse_unary(struct deck_parser *p)
     const struct token *t = parser_peek(p);
     struct deck_place op = parser_place(p, t);
     if (p->depth >= DECK_MAX_DEPTH)
-        return too_deep(p, op);
+        return fail_too_deep(p, op);
     p->depth++;
     int32_t node;
     if (t->kind == '-') {
-        (void)take(p);
-        node = node_op(p, NODE_NEGATE, '-', op, parse_unary(p), -1);
+        (void)take_token(p);
+        node = add_operation(p, NODE_NEGATE, '-', op, parse_unary(p), -1);
     } else {
         node = parse_power(p);
     }
@@ -361,8 +361,8 @@ static int32_t parse_product(struct deck_parser *p)
 {
     int32_t left = parse_unary(p);
     while (left != 0 && (parser_peek(p)->kind == '*' || parser_peek(p)->kind == '/')) {
-        const struct token *t = take(p);
-        left = node_op(p, NODE_BINARY, t->kind, parser_place(p, t), left, parse_unary(p));
+        const struct token *t = take_token(p);
+        left = add_operation(p, NODE_BINARY, t->kind, parser_place(p, t), left, parse_unary(p));
     }
     return left;
 }
@@ -380,8 +380,8 @@ static int32_t parse_sum(struct deck_parser *p)
         const struct token *t = parser_peek(p);
         if ((t->kind != '+' && t->kind != '-') || begins_next_value(p, t))
             break;
-        (void)take(p);
-        left = node_op(p, NODE_BINARY, t->kind, parser_place(p, t), left, parse_product(p));
+        (void)take_token(p);
+        left = add_operation(p, NODE_BINARY, t->kind, parser_place(p, t), left, parse_product(p));
     }
     return left;
 }

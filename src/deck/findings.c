@@ -69,7 +69,8 @@ struct deck_place place_span(struct deck_place a, struct deck_place b)
     return a;
 }
 
-static void add(struct findings *f, bool is_error, struct deck_place place, const char *format, va_list args)
+static void add_finding(struct findings *f, bool is_error, struct deck_place place, const char *format,
+                        va_list args)
 {
     if ((is_error ? f->n_errors : f->n_warnings) >= FINDINGS_MAX) {
         f->more_errors |= is_error;
@@ -96,7 +97,7 @@ void findings_error(struct findings *f, struct deck_place place, const char *for
 {
     va_list args;
     va_start(args, format);
-    add(f, true, place, format, args);
+    add_finding(f, true, place, format, args);
     va_end(args);
 }
 
@@ -104,19 +105,19 @@ void findings_warn(struct findings *f, struct deck_place place, const char *form
 {
     va_list args;
     va_start(args, format);
-    add(f, false, place, format, args);
+    add_finding(f, false, place, format, args);
     va_end(args);
 }
 
 /* --- rendering --- */
 
-struct output {
+struct rendering {
     char *text;
     size_t used, cap;
     bool failed;
 };
 
-static void put(struct output *out, const char *bytes, size_t n)
+static void put_bytes(struct rendering *out, const char *bytes, size_t n)
 {
     char *grown = out->failed ? NULL : mem_grown(out->text, &out->cap, out->used, out->used + n + 1, 1);
     if (grown == NULL) {
@@ -129,9 +130,9 @@ static void put(struct output *out, const char *bytes, size_t n)
     out->text[out->used] = '\0';
 }
 
-static void put_text(struct output *out, const char *text)
+static void put_text(struct rendering *out, const char *text)
 {
-    put(out, text, strlen(text));
+    put_bytes(out, text, strlen(text));
 }
 
 static bool is_continuation(char c)
@@ -139,12 +140,12 @@ static bool is_continuation(char c)
     return ((unsigned char)c & 0xc0u) == 0x80u;
 }
 
-static void put_printable(struct output *out, const char *s, size_t n, bool keep_tabs)
+static void put_printable(struct rendering *out, const char *s, size_t n, bool keep_tabs)
 {
     for (size_t i = 0; i < n;) {
         size_t step = text_printable(s + i, n - i);
         if (step > 0)
-            put(out, s + i, step);
+            put_bytes(out, s + i, step);
         else if (s[i] == '\t' && keep_tabs)
             put_text(out, "\t");
         else
@@ -154,7 +155,7 @@ static void put_printable(struct output *out, const char *s, size_t n, bool keep
 }
 
 /* The caret line: as wide as the shown bytes from `from` to `at`, then ^ and ~ to `to`. */
-static void put_caret(struct output *out, const char *line, size_t from, size_t at, size_t to)
+static void put_caret(struct rendering *out, const char *line, size_t from, size_t at, size_t to)
 {
     for (size_t i = from; i < at;) {
         size_t step = text_printable(line + i, at - i);
@@ -168,7 +169,7 @@ static void put_caret(struct output *out, const char *line, size_t from, size_t 
     put_text(out, "\n");
 }
 
-static void put_line(struct output *out, const char *text, size_t length, size_t start,
+static void put_line(struct rendering *out, const char *text, size_t length, size_t start,
                      struct deck_place place)
 {
     size_t end = start;
@@ -193,7 +194,7 @@ static void put_line(struct output *out, const char *text, size_t length, size_t
 }
 
 /* Where a thing stands: "file:line:column", and the start of that line. */
-static size_t put_where(struct output *out, const struct findings *f, struct deck_place place)
+static size_t put_where(struct rendering *out, const struct findings *f, struct deck_place place)
 {
     size_t length, start = 0, column = 1;
     const char *text = text_bytes(f->source, place.text, &length);
@@ -214,7 +215,7 @@ static size_t put_where(struct output *out, const struct findings *f, struct dec
     return start;
 }
 
-static void put_finding(struct output *out, const struct findings *f, const struct finding *item)
+static void put_finding(struct rendering *out, const struct findings *f, const struct finding *item)
 {
     size_t length, start = put_where(out, f, item->place);
     const char *text = text_bytes(f->source, item->place.text, &length);
@@ -226,7 +227,7 @@ static void put_finding(struct output *out, const struct findings *f, const stru
 
 char *findings_place(const struct findings *f, struct deck_place place)
 {
-    struct output out = {0};
+    struct rendering out = {0};
     size_t length, start = put_where(&out, f, place);
     const char *text = text_bytes(f->source, place.text, &length);
     put_text(&out, "\n");
@@ -248,7 +249,7 @@ static bool comes_after(const struct finding *a, const struct finding *b)
 
 char *findings_render(struct findings *f)
 {
-    struct output out = {0};
+    struct rendering out = {0};
     put_text(&out, "");
     /* Insertion sort: few items, and those of one place keep their order. */
     for (size_t i = 1; i < f->n; i++) {

@@ -16,7 +16,7 @@ struct lexer {
     size_t length, at;
     int text_index;
     bool spaced;
-    bool strange; /* a byte that belongs into no text was found: the first one is reported */
+    bool bad_byte_reported; /* a byte that belongs into no text was found: the first one is reported */
     size_t *budget;
     struct tokens *out;
     struct findings *findings;
@@ -33,17 +33,17 @@ static bool is_letter(char c)
 }
 
 /* The byte at `at`, NUL behind the end. */
-static char peek(const struct lexer *lex, size_t at)
+static char byte_at(const struct lexer *lex, size_t at)
 {
     return at < lex->length ? lex->text[at] : '\0';
 }
 
-static struct deck_place place(const struct lexer *lex, size_t from, size_t to)
+static struct deck_place place_of(const struct lexer *lex, size_t from, size_t to)
 {
     return (struct deck_place){lex->text_index, from, to - from};
 }
 
-static bool push(struct lexer *lex, int kind, size_t from, size_t to)
+static bool push_token(struct lexer *lex, int kind, size_t from, size_t to)
 {
     struct tokens *out = lex->out;
     struct token *grown = mem_grown(out->items, &out->cap, out->n, out->n + 2, sizeof *grown);
@@ -53,7 +53,7 @@ static bool push(struct lexer *lex, int kind, size_t from, size_t to)
     }
     out->items = grown;
     if (kind != TOKEN_END && *lex->budget == 0) {
-        findings_error(lex->findings, place(lex, from, to), "the deck has more than %d tokens",
+        findings_error(lex->findings, place_of(lex, from, to), "the deck has more than %d tokens",
                        DECK_MAX_TOKENS);
         return false;
     }
@@ -67,14 +67,14 @@ static bool push(struct lexer *lex, int kind, size_t from, size_t to)
 
 static size_t word_end(const struct lexer *lex, size_t at)
 {
-    while (is_letter(peek(lex, at)) || is_digit(peek(lex, at)))
+    while (is_letter(byte_at(lex, at)) || is_digit(byte_at(lex, at)))
         at++;
     return at;
 }
 
 static size_t digits_end(const struct lexer *lex, size_t at)
 {
-    while (is_digit(peek(lex, at)))
+    while (is_digit(byte_at(lex, at)))
         at++;
     return at;
 }
@@ -83,8 +83,9 @@ static size_t digits_end(const struct lexer *lex, size_t at)
 static size_t broken_number_end(const struct lexer *lex, size_t at)
 {
     for (;; at++) {
-        char c = peek(lex, at), before = at > 0 ? lex->text[at - 1] : '\0';
-        bool sign = (c == '+' || c == '-') && (before == 'e' || before == 'E') && is_digit(peek(lex, at + 1));
+        char c = byte_at(lex, at), before = at > 0 ? lex->text[at - 1] : '\0';
+        bool sign =
+            (c == '+' || c == '-') && (before == 'e' || before == 'E') && is_digit(byte_at(lex, at + 1));
         if (!is_letter(c) && !is_digit(c) && c != '.' && !sign)
             return at;
     }
@@ -93,33 +94,33 @@ static size_t broken_number_end(const struct lexer *lex, size_t at)
 static bool lex_number(struct lexer *lex)
 {
     size_t from = lex->at, to = digits_end(lex, from);
-    if (peek(lex, to) == '.')
+    if (byte_at(lex, to) == '.')
         to = digits_end(lex, to + 1);
     bool has_digit = to - from > 1 || is_digit(lex->text[from]);
-    char e = peek(lex, to), sign = peek(lex, to + 1);
+    char e = byte_at(lex, to), sign = byte_at(lex, to + 1);
     if (has_digit && (e == 'e' || e == 'E')) {
         size_t digits = to + (sign == '+' || sign == '-' ? 2u : 1u);
-        if (is_digit(peek(lex, digits)))
+        if (is_digit(byte_at(lex, digits)))
             to = digits_end(lex, digits);
     }
     struct unit unit;
     size_t suffix = word_end(lex, to);
     bool reads =
-        has_digit && peek(lex, suffix) != '.' &&
-        (suffix == to || (is_letter(peek(lex, to)) && unit_find(lex->text + to, suffix - to, &unit)));
+        has_digit && byte_at(lex, suffix) != '.' &&
+        (suffix == to || (is_letter(byte_at(lex, to)) && unit_find(lex->text + to, suffix - to, &unit)));
     if (reads && to - from <= DECK_MAX_NUMBER)
-        return push(lex, TOKEN_NUMBER, from, to);
+        return push_token(lex, TOKEN_NUMBER, from, to);
     if (reads) {
-        findings_error(lex->findings, place(lex, from, to), "this number has more than %d characters",
+        findings_error(lex->findings, place_of(lex, from, to), "this number has more than %d characters",
                        DECK_MAX_NUMBER);
-        return push(lex, TOKEN_BAD, from, to);
+        return push_token(lex, TOKEN_BAD, from, to);
     }
     struct place_text number;
     size_t end = broken_number_end(lex, to);
-    struct deck_place all = place(lex, from, end > from ? end : from + 1);
+    struct deck_place all = place_of(lex, from, end > from ? end : from + 1);
     findings_error(lex->findings, all, "'%s' does not read to its end as a number, nor as one with a unit",
                    place_text(lex->findings->source, all, &number));
-    return push(lex, TOKEN_BAD, from, from + all.length);
+    return push_token(lex, TOKEN_BAD, from, from + all.length);
 }
 
 static bool lex_string(struct lexer *lex)
@@ -127,23 +128,24 @@ static bool lex_string(struct lexer *lex)
     size_t from = lex->at, to = from + 1;
     while (to < lex->length && lex->text[to] != '"' && lex->text[to] != '\n')
         to++;
-    if (peek(lex, to) == '"')
-        return push(lex, TOKEN_STRING, from, to + 1);
-    findings_error(lex->findings, place(lex, from, from + 1), "this string has no closing '\"' on its line");
-    return push(lex, TOKEN_BAD, from, to);
+    if (byte_at(lex, to) == '"')
+        return push_token(lex, TOKEN_STRING, from, to + 1);
+    findings_error(lex->findings, place_of(lex, from, from + 1),
+                   "this string has no closing '\"' on its line");
+    return push_token(lex, TOKEN_BAD, from, to);
 }
 
-static bool lex_stranger(struct lexer *lex)
+static bool lex_bad_byte(struct lexer *lex)
 {
     size_t from = lex->at, to = from + 1;
     unsigned char c = (unsigned char)lex->text[from];
     while (to < lex->length && ((unsigned char)lex->text[to] & 0xc0u) == 0x80u && c >= 0x80)
         to++;
     struct place_text text;
-    struct deck_place all = place(lex, from, to);
-    if (lex->strange)
-        return push(lex, TOKEN_BAD, from, to);
-    lex->strange = c < 0x20 || c >= 0x7f;
+    struct deck_place all = place_of(lex, from, to);
+    if (lex->bad_byte_reported)
+        return push_token(lex, TOKEN_BAD, from, to);
+    lex->bad_byte_reported = c < 0x20 || c >= 0x7f;
     if (c == 0)
         findings_error(lex->findings, all, "a NUL byte is no part of a deck: is this a binary file?");
     else if (c < 0x20 || c == 0x7f)
@@ -153,26 +155,26 @@ static bool lex_stranger(struct lexer *lex)
                        place_text(lex->findings->source, all, &text));
     else
         findings_error(lex->findings, all, "'%c' has no meaning in a deck", c);
-    return push(lex, TOKEN_BAD, from, to);
+    return push_token(lex, TOKEN_BAD, from, to);
 }
 
-static bool lex_one(struct lexer *lex)
+static bool lex_token(struct lexer *lex)
 {
     char c = lex->text[lex->at];
     if (is_letter(c))
-        return push(lex, TOKEN_WORD, lex->at, word_end(lex, lex->at));
+        return push_token(lex, TOKEN_WORD, lex->at, word_end(lex, lex->at));
     if (is_digit(c) || c == '.')
         return lex_number(lex);
     if (c == '"')
         return lex_string(lex);
     if (c == '\n') {
-        bool ok = push(lex, TOKEN_NEWLINE, lex->at, lex->at + 1);
+        bool ok = push_token(lex, TOKEN_NEWLINE, lex->at, lex->at + 1);
         lex->spaced = true;
         return ok;
     }
     if (c != '\0' && strchr("{}()=,;+-*/^", c) != NULL)
-        return push(lex, c, lex->at, lex->at + 1);
-    return lex_stranger(lex);
+        return push_token(lex, c, lex->at, lex->at + 1);
+    return lex_bad_byte(lex);
 }
 
 bool deck_lex(const char *text, size_t length, int text_index, size_t *budget, struct tokens *out,
@@ -195,8 +197,8 @@ bool deck_lex(const char *text, size_t length, int text_index, size_t *budget, s
             while (lex.at < length && text[lex.at] != '\n')
                 lex.at++;
         } else {
-            ok = lex_one(&lex);
+            ok = lex_token(&lex);
         }
     }
-    return push(&lex, TOKEN_END, lex.at, lex.at) && ok;
+    return push_token(&lex, TOKEN_END, lex.at, lex.at) && ok;
 }

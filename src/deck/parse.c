@@ -25,7 +25,7 @@ struct parse {
 static bool parse_text(struct parse *parse, int text);
 
 /* Appends one item to an array of the tree and gives it zeroed; NULL: no memory. */
-static void *append(struct findings *f, void *array, size_t *n, size_t *cap, size_t size)
+static void *append_item(struct findings *f, void *array, size_t *n, size_t *cap, size_t size)
 {
     void *items;
     memcpy(&items, array, sizeof items);
@@ -41,9 +41,9 @@ static void *append(struct findings *f, void *array, size_t *n, size_t *cap, siz
     return item;
 }
 #define APPEND(f, tree, array)                                                                               \
-    append(f, &(tree)->array, &(tree)->n_##array, &(tree)->cap_##array, sizeof *(tree)->array)
+    append_item(f, &(tree)->array, &(tree)->n_##array, &(tree)->cap_##array, sizeof *(tree)->array)
 
-static const struct token *current(const struct deck_parser *p)
+static const struct token *current_token(const struct deck_parser *p)
 {
     return &p->tokens->items[p->at];
 }
@@ -58,7 +58,7 @@ static void skip_statement(struct deck_parser *p)
 {
     int open = 0;
     for (;; p->at++) {
-        int kind = current(p)->kind;
+        int kind = current_token(p)->kind;
         if (kind == TOKEN_END || (open == 0 && ends_statement(kind)))
             return;
         if (kind == '{')
@@ -70,35 +70,35 @@ static void skip_statement(struct deck_parser *p)
     }
 }
 
-static void error_expected(struct deck_parser *p, const char *expected)
+static void report_expected(struct deck_parser *p, const char *expected)
 {
     struct place_text found;
-    const struct token *t = current(p);
+    const struct token *t = current_token(p);
     if (t->kind != TOKEN_BAD)
         findings_error(p->findings, parser_place(p, t), "expected %s, found %s", expected,
                        parser_found(p, t, &found));
 }
 
-static bool expect(struct deck_parser *p, int kind, const char *expected)
+static bool expect_token(struct deck_parser *p, int kind, const char *expected)
 {
-    if (current(p)->kind == kind) {
+    if (current_token(p)->kind == kind) {
         p->at++;
         return true;
     }
-    error_expected(p, expected);
+    report_expected(p, expected);
     return false;
 }
 
 /* The end of a statement must be here. */
 static void finish_statement(struct deck_parser *p)
 {
-    if (ends_statement(current(p)->kind))
+    if (ends_statement(current_token(p)->kind))
         return;
-    error_expected(p, "the end of the line or ';'");
+    report_expected(p, "the end of the line or ';'");
     skip_statement(p);
 }
 
-static void name_copy(const struct findings *f, struct deck_place place, char out[NAME_MAX_LENGTH + 1])
+static void copy_name(const struct findings *f, struct deck_place place, char out[NAME_MAX_LENGTH + 1])
 {
     memcpy(out, place_bytes(f->source, place), place.length);
     out[place.length] = '\0';
@@ -111,12 +111,12 @@ static void parse_let(struct deck_parser *p)
     struct deck_tree *tree = p->tree;
     const char *why;
     struct place_text text;
-    if (current(p)->kind != TOKEN_WORD) {
-        error_expected(p, "a name after 'let'");
+    if (current_token(p)->kind != TOKEN_WORD) {
+        report_expected(p, "a name after 'let'");
         skip_statement(p);
         return;
     }
-    struct deck_place name = parser_place(p, current(p));
+    struct deck_place name = parser_place(p, current_token(p));
     p->at++;
     bool ok = true;
     if (expr_reserved(place_bytes(p->findings->source, name), name.length, &why)) {
@@ -130,11 +130,11 @@ static void parse_let(struct deck_parser *p)
         findings_error(p->findings, name, "the deck has more than %d lets", DECK_MAX_LETS);
         ok = false;
     }
-    int32_t node = expect(p, '=', "'=' after the name") ? expr_parse(p) : 0;
+    int32_t node = expect_token(p, '=', "'=' after the name") ? expr_parse(p) : 0;
     if (ok) {
         struct deck_let *let = APPEND(p->findings, tree, lets);
         if (let != NULL) {
-            name_copy(p->findings, name, let->name);
+            copy_name(p->findings, name, let->name);
             let->place = name;
             let->node = node;
         }
@@ -148,15 +148,15 @@ static void parse_let(struct deck_parser *p)
 /* One -D: its let gets another expression. */
 static void parse_define(struct deck_parser *p)
 {
-    struct deck_place name = parser_place(p, current(p));
-    if (current(p)->kind != TOKEN_WORD || p->tokens->items[1].kind != '=') {
+    struct deck_place name = parser_place(p, current_token(p));
+    if (current_token(p)->kind != TOKEN_WORD || p->tokens->items[1].kind != '=') {
         findings_error(p->findings, name, "expected name=value");
         return;
     }
     p->at = 2;
     int32_t node = expr_parse(p);
-    if (node != 0 && current(p)->kind != TOKEN_END) {
-        error_expected(p, "the end of the definition");
+    if (node != 0 && current_token(p)->kind != TOKEN_END) {
+        report_expected(p, "the end of the definition");
         return;
     }
     const char *word = place_bytes(p->findings->source, name);
@@ -198,14 +198,14 @@ static void parse_values(struct deck_parser *p, size_t entry)
 {
     struct deck_tree *tree = p->tree;
     bool after_comma = false;
-    while (after_comma || !ends_statement(current(p)->kind)) {
+    while (after_comma || !ends_statement(current_token(p)->kind)) {
         /* A list goes on in the next line after a comma. */
-        while (after_comma && current(p)->kind == TOKEN_NEWLINE)
+        while (after_comma && current_token(p)->kind == TOKEN_NEWLINE)
             p->at++;
-        if (current(p)->kind == TOKEN_WORD && (current(p) + 1)->kind == '=') {
+        if (current_token(p)->kind == TOKEN_WORD && (current_token(p) + 1)->kind == '=') {
             /* The next entry: it is read as one, so that this is one mistake. */
-            error_expected(p,
-                           tree->entries[entry].n == 0 ? "a value after '='" : "the end of the line or ';'");
+            report_expected(p,
+                            tree->entries[entry].n == 0 ? "a value after '='" : "the end of the line or ';'");
             tree->entries[entry].bad |= tree->entries[entry].n == 0;
             return;
         }
@@ -218,12 +218,12 @@ static void parse_values(struct deck_parser *p, size_t entry)
         }
         *value = node;
         tree->entries[entry].n++;
-        after_comma = current(p)->kind == ',';
+        after_comma = current_token(p)->kind == ',';
         if (after_comma)
             p->at++;
     }
     if (tree->entries[entry].n == 0) {
-        error_expected(p, "a value after '='");
+        report_expected(p, "a value after '='");
         tree->entries[entry].bad = true;
     }
 }
@@ -231,11 +231,11 @@ static void parse_values(struct deck_parser *p, size_t entry)
 static void parse_entry(struct deck_parser *p, size_t block)
 {
     struct deck_tree *tree = p->tree;
-    struct deck_place key = parser_place(p, current(p));
+    struct deck_place key = parser_place(p, current_token(p));
     struct place_text text, found;
-    if (current(p)->kind != TOKEN_WORD) {
-        error_expected(p, "a keyword or '}'");
-        p->at += current(p)->kind == TOKEN_END ? 0u : 1u;
+    if (current_token(p)->kind != TOKEN_WORD) {
+        report_expected(p, "a keyword or '}'");
+        p->at += current_token(p)->kind == TOKEN_END ? 0u : 1u;
         skip_statement(p);
         return;
     }
@@ -246,9 +246,10 @@ static void parse_entry(struct deck_parser *p, size_t block)
         return;
     }
     p->at++;
-    if (current(p)->kind != '=') {
-        findings_error(p->findings, parser_place(p, current(p)), "expected '=' after '%s', found %s",
-                       place_text(p->findings->source, key, &text), parser_found(p, current(p), &found));
+    if (current_token(p)->kind != '=') {
+        findings_error(p->findings, parser_place(p, current_token(p)), "expected '=' after '%s', found %s",
+                       place_text(p->findings->source, key, &text),
+                       parser_found(p, current_token(p), &found));
         skip_statement(p);
     }
     struct deck_entry *entry = APPEND(p->findings, tree, entries);
@@ -257,7 +258,7 @@ static void parse_entry(struct deck_parser *p, size_t block)
     entry->key = key;
     entry->first = tree->n_values;
     tree->blocks[block].n_entries++;
-    if (current(p)->kind != '=') {
+    if (current_token(p)->kind != '=') {
         entry->bad = true;
         return;
     }
@@ -268,7 +269,7 @@ static void parse_entry(struct deck_parser *p, size_t block)
 /* In a block, does a new block begin here? Then the closing brace was forgotten. */
 static bool block_begins(const struct deck_parser *p)
 {
-    const struct token *t = current(p);
+    const struct token *t = current_token(p);
     if (t->kind != TOKEN_WORD)
         return false;
     while (t->kind == TOKEN_WORD || t->kind == TOKEN_STRING)
@@ -282,7 +283,7 @@ static void parse_body(struct deck_parser *p, size_t block)
     struct deck_place word = p->tree->blocks[block].word;
     struct place_text text;
     for (;;) {
-        int kind = current(p)->kind;
+        int kind = current_token(p)->kind;
         if (kind == TOKEN_END || block_begins(p)) {
             findings_error(p->findings, word, "the block '%s' is not closed: expected '}' before %s",
                            place_text(p->findings->source, word, &text),
@@ -303,9 +304,9 @@ static void parse_body(struct deck_parser *p, size_t block)
 }
 
 /* `key = ...` outside any block. */
-static void stray_entry(struct deck_parser *p)
+static void report_stray_entry(struct deck_parser *p)
 {
-    struct deck_place key = parser_place(p, current(p));
+    struct deck_place key = parser_place(p, current_token(p));
     struct place_text text;
     const char *block = schema_block_of_key(place_bytes(p->findings->source, key), key.length);
     findings_error(p->findings, key,
@@ -318,9 +319,9 @@ static void stray_entry(struct deck_parser *p)
 static void parse_block(struct deck_parser *p)
 {
     struct deck_tree *tree = p->tree;
-    struct deck_place word = parser_place(p, current(p));
-    if ((current(p) + 1)->kind == '=') {
-        stray_entry(p);
+    struct deck_place word = parser_place(p, current_token(p));
+    if ((current_token(p) + 1)->kind == '=') {
+        report_stray_entry(p);
         return;
     }
     p->at++;
@@ -330,11 +331,11 @@ static void parse_block(struct deck_parser *p)
     block->word = word;
     block->first_name = tree->n_names;
     block->first_entry = tree->n_entries;
-    while (current(p)->kind == TOKEN_WORD || current(p)->kind == TOKEN_STRING) {
+    while (current_token(p)->kind == TOKEN_WORD || current_token(p)->kind == TOKEN_STRING) {
         struct deck_place *name = APPEND(p->findings, tree, names);
         if (name == NULL)
             return;
-        *name = parser_place(p, current(p));
+        *name = parser_place(p, current_token(p));
         block->n_names++;
         p->at++;
     }
@@ -344,11 +345,12 @@ static void parse_block(struct deck_parser *p)
     if (p->tokens->items[brace].kind == '{')
         p->at = brace;
     struct place_text text, found;
-    if (current(p)->kind != '{') {
-        if (current(p)->kind != TOKEN_BAD)
-            findings_error(p->findings, parser_place(p, current(p)),
+    if (current_token(p)->kind != '{') {
+        if (current_token(p)->kind != TOKEN_BAD)
+            findings_error(p->findings, parser_place(p, current_token(p)),
                            "expected '{' to open the block '%s', found %s",
-                           place_text(p->findings->source, word, &text), parser_found(p, current(p), &found));
+                           place_text(p->findings->source, word, &text),
+                           parser_found(p, current_token(p), &found));
         block->bad = true;
         skip_statement(p);
         return;
@@ -370,9 +372,9 @@ static int find_text(const struct deck_source *source, const char *name)
 static void parse_include(struct parse *parse, struct deck_parser *p)
 {
     const struct deck_source *source = parse->findings->source;
-    struct deck_place path = parser_place(p, current(p));
-    if (current(p)->kind != TOKEN_STRING) {
-        error_expected(p, "a file name in quotes after 'include'");
+    struct deck_place path = parser_place(p, current_token(p));
+    if (current_token(p)->kind != TOKEN_STRING) {
+        report_expected(p, "a file name in quotes after 'include'");
         p->tree->incomplete = true;
         skip_statement(p);
         return;
@@ -403,7 +405,7 @@ static void parse_include(struct parse *parse, struct deck_parser *p)
 static void parse_statement(struct parse *parse, struct deck_parser *p)
 {
     struct place_text found;
-    const struct token *t = current(p);
+    const struct token *t = current_token(p);
     if (t->kind == TOKEN_NEWLINE || t->kind == ';') {
         p->at++;
     } else if (t->kind == '}') {
@@ -435,7 +437,7 @@ static bool parse_text(struct parse *parse, int text)
     struct deck_parser p = {
         .tree = parse->tree, .findings = parse->findings, .tokens = &tokens, .text = text};
     p.tree->incomplete |= !ok;
-    while (ok && !parse->findings->no_memory && current(&p)->kind != TOKEN_END)
+    while (ok && !parse->findings->no_memory && current_token(&p)->kind != TOKEN_END)
         parse_statement(parse, &p);
     free(tokens.items);
     parse->state[text] = TEXT_DONE;

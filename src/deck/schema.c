@@ -347,7 +347,7 @@ const struct block_schema *schema_block(enum block_kind kind)
     return &blocks[kind];
 }
 
-static bool same(const char *name, const char *word, size_t length)
+static bool word_is(const char *name, const char *word, size_t length)
 {
     return strlen(name) == length && memcmp(name, word, length) == 0;
 }
@@ -355,7 +355,7 @@ static bool same(const char *name, const char *word, size_t length)
 enum block_kind schema_find_block(const char *word, size_t length)
 {
     int kind = 0;
-    while (kind < BLOCK_COUNT && !same(blocks[kind].name, word, length))
+    while (kind < BLOCK_COUNT && !word_is(blocks[kind].name, word, length))
         kind++;
     return (enum block_kind)kind;
 }
@@ -363,7 +363,7 @@ enum block_kind schema_find_block(const char *word, size_t length)
 int schema_find_key(const struct block_schema *block, const char *word, size_t length)
 {
     for (size_t i = 0; i < block->n_keys; i++)
-        if (same(block->keys[i].name, word, length))
+        if (word_is(block->keys[i].name, word, length))
             return (int)i;
     return -1;
 }
@@ -405,7 +405,7 @@ size_t schema_size(const struct deck_key *key)
 }
 
 /* The default's text as one word for each value: `count` of them or none. */
-static void default_words(const struct deck_key *key, void *at)
+static void set_default_words(const struct deck_key *key, void *at)
 {
     const char *word = key->initial;
     for (int i = 0; i < key->count; i++) {
@@ -419,7 +419,7 @@ static void default_words(const struct deck_key *key, void *at)
     }
 }
 
-static void default_numbers(const struct deck_key *key, void *at)
+static void set_default_numbers(const struct deck_key *key, void *at)
 {
     const char *word = key->initial;
     for (int i = 0; i < key->count; i++) {
@@ -442,9 +442,9 @@ void schema_defaults(const struct block_schema *block, void *base)
         const struct deck_key *key = &block->keys[i];
         void *at = (char *)base + key->offset;
         if (key->type == VALUE_CHOICE || key->type == VALUE_FLAG)
-            default_words(key, at);
+            set_default_words(key, at);
         else if (key->type == VALUE_REAL || key->type == VALUE_WHOLE)
-            default_numbers(key, at);
+            set_default_numbers(key, at);
     }
 }
 

@@ -84,14 +84,15 @@ double shape_area(const struct shape_config *s)
 }
 
 /* Twice the signed area of a triangle: > 0 where c is left of a to b. */
-static double side(const double a[2], const double b[2], const double c[2])
+static double twice_signed_area(const double a[2], const double b[2], const double c[2])
 {
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-static bool cross_inside(const double a[2], const double b[2], const double c[2], const double d[2])
+static bool edges_cross(const double a[2], const double b[2], const double c[2], const double d[2])
 {
-    double s1 = side(a, b, c), s2 = side(a, b, d), s3 = side(c, d, a), s4 = side(c, d, b);
+    double s1 = twice_signed_area(a, b, c), s2 = twice_signed_area(a, b, d), s3 = twice_signed_area(c, d, a),
+           s4 = twice_signed_area(c, d, b);
     return ((s1 > 0 && s2 < 0) || (s1 < 0 && s2 > 0)) && ((s3 > 0 && s4 < 0) || (s3 < 0 && s4 > 0));
 }
 
@@ -122,8 +123,8 @@ static bool disc_overlaps(const struct shape_config *disc, const struct shape_co
 
 /* Is a point of the inside of `self` in the other? The vertices may lie on a shared border: the centre of
  * each three in a row is asked, where it is inside. */
-static bool has_point_in(const struct outline *o, const struct shape_config *self,
-                         const struct shape_config *other)
+static bool share_inner_point(const struct outline *o, const struct shape_config *self,
+                              const struct shape_config *other)
 {
     for (size_t i = 0; i < o->n; i++) {
         const double *a = o->at[i], *b = o->at[(i + 1) % o->n], *c = o->at[(i + 2) % o->n];
@@ -141,9 +142,9 @@ static bool polygon_overlaps(const struct shape_config *a, const struct shape_co
     outline_of(b, &q);
     for (size_t i = 0; i < p.n; i++)
         for (size_t j = 0; j < q.n; j++)
-            if (cross_inside(p.at[i], p.at[(i + 1) % p.n], q.at[j], q.at[(j + 1) % q.n]))
+            if (edges_cross(p.at[i], p.at[(i + 1) % p.n], q.at[j], q.at[(j + 1) % q.n]))
                 return true;
-    return has_point_in(&p, a, b) || has_point_in(&q, b, a);
+    return share_inner_point(&p, a, b) || share_inner_point(&q, b, a);
 }
 
 bool shape_overlaps(const struct shape_config *a, const struct shape_config *b)
@@ -173,7 +174,7 @@ bool shape_crosses_itself(const struct shape_config *s)
         for (size_t j = 0; j < n; j++) {
             const double *c = s->vertex[j], *d = s->vertex[(j + 1) % n];
             bool shares = j == i || j == (i + 1) % n || i == (j + 1) % n;
-            if (!shares && cross_inside(a, b, c, d))
+            if (!shares && edges_cross(a, b, c, d))
                 return true;
             if (j != i && j != (i + 1) % n && touches_edge(c, a, b))
                 return true;

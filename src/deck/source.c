@@ -28,7 +28,7 @@ void deck_source_free(struct deck_source *source)
     *source = (struct deck_source){.steps = -1};
 }
 
-static bool path_acceptable(const char *path, size_t length)
+static bool path_is_acceptable(const char *path, size_t length)
 {
     if (length == 0 || path[0] == '/')
         return false;
@@ -48,7 +48,7 @@ char *deck_source_include(const char *includer, const char *path, size_t length)
 {
     const char *slash = strrchr(includer, '/');
     size_t folder = slash == NULL ? 0 : (size_t)(slash - includer) + 1;
-    if (!path_acceptable(path, length))
+    if (!path_is_acceptable(path, length))
         return NULL;
     /* `./a` and `a` are one file. */
     while (length > 2 && path[0] == '.' && path[1] == '/') {
@@ -64,7 +64,7 @@ char *deck_source_include(const char *includer, const char *path, size_t length)
     return name;
 }
 
-static bool have_text(const struct deck_source *source, const char *name)
+static bool has_text(const struct deck_source *source, const char *name)
 {
     for (size_t i = 0; i < source->n_texts; i++)
         if (strcmp(source->texts[i].name, name) == 0)
@@ -111,7 +111,7 @@ static enum dm2_status read_included(struct reading *reading, size_t includer, c
     const struct deck_text text = source->texts[includer];
     const struct token *path = &tokens->items[at];
     char *name = deck_source_include(text.name, text.text + path->offset + 1, path->length - 2);
-    if (name == NULL || have_text(source, name)) {
+    if (name == NULL || has_text(source, name)) {
         free(name);
         return DM2_OK;
     }

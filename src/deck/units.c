@@ -180,7 +180,7 @@ static const struct {
     {DIM(2, 1, -2, 0, -1), "an energy per mole", "g cm2/us2/mol"},
 };
 
-static void compose(struct dimension dim, char *out, size_t size)
+static void compose_unit(struct dimension dim, char *out, size_t size)
 {
     const char *names[] = {"g", "cm", "us", "K", "mol"};
     const int powers[] = {dim.mass, dim.length, dim.time, dim.temperature, dim.amount};
@@ -200,7 +200,7 @@ const char *dimension_unit(struct dimension dim, struct dimension_text *out)
     for (size_t i = 0; i < sizeof named / sizeof named[0]; i++)
         if (dimension_equal(dim, named[i].dim))
             return named[i].unit;
-    compose(dim, out->text, sizeof out->text);
+    compose_unit(dim, out->text, sizeof out->text);
     return out->text;
 }
 
@@ -215,7 +215,7 @@ const char *dimension_name(struct dimension dim, struct dimension_text *out)
             return out->text;
         }
     }
-    compose(dim, unit, sizeof unit);
+    compose_unit(dim, unit, sizeof unit);
     (void)snprintf(out->text, sizeof out->text, "a quantity in %s", unit);
     return out->text;
 }

@@ -36,8 +36,8 @@ static struct deck_place word_at(const struct deck_binding *b, const struct deck
     return place;
 }
 
-static bool count_is(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
-                     size_t want)
+static bool check_count(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
+                        size_t want)
 {
     if (entry->n == want)
         return true;
@@ -62,7 +62,8 @@ static void limits_text(const struct deck_key *key, char *out, size_t size)
                        number_text(key->high, &high), blank, u);
 }
 
-static bool within(struct deck_binding *b, const struct deck_key *key, struct deck_place place, double value)
+static bool check_within(struct deck_binding *b, const struct deck_key *key, struct deck_place place,
+                         double value)
 {
     bool low = key->low_open ? value > key->low : value >= key->low;
     bool high = key->high_open ? value < key->high : value <= key->high;
@@ -92,7 +93,7 @@ static bool read_real(struct deck_binding *b, const struct deck_key *key, const 
                        dimension_name(key->dim, &want), dimension_name(q.dim, &found));
         return false;
     }
-    if (!within(b, key, place, q.value))
+    if (!check_within(b, key, place, q.value))
         return false;
     *out = q.value;
     return true;
@@ -154,7 +155,7 @@ static bool read_reals(struct deck_binding *b, const struct deck_key *key, const
     bool ok = true;
     for (int i = 0; i < key->count; i++)
         out[i] = (double)NAN;
-    if (!count_is(b, key, entry, (size_t)key->count))
+    if (!check_count(b, key, entry, (size_t)key->count))
         return false;
     for (int i = 0; i < key->count; i++)
         ok = read_real(b, key, entry, (size_t)i, &out[i]) && ok;
@@ -165,7 +166,7 @@ static bool read_words(struct deck_binding *b, const struct deck_key *key, const
                        void *at)
 {
     bool ok = true;
-    if (!count_is(b, key, entry, (size_t)key->count))
+    if (!check_count(b, key, entry, (size_t)key->count))
         return false;
     for (int i = 0; i < key->count; i++) {
         int choice = read_choice(b, key, word_at(b, entry, (size_t)i));
@@ -258,7 +259,7 @@ static bool read_materials(struct deck_binding *b, const struct deck_key *key, c
                            int *out)
 {
     bool ok = true;
-    if (!count_is(b, key, entry, (size_t)key->count))
+    if (!check_count(b, key, entry, (size_t)key->count))
         return false;
     for (int i = 0; i < key->count; i++) {
         out[i] = binding_material(b, word_at(b, entry, (size_t)i));
@@ -271,7 +272,7 @@ static bool read_name(struct deck_binding *b, const struct deck_key *key, const 
                       char *out)
 {
     struct place_text text;
-    if (!count_is(b, key, entry, 1))
+    if (!check_count(b, key, entry, 1))
         return false;
     struct deck_place word = word_at(b, entry, 0);
     if (word.length > NAME_MAX_LENGTH) {
@@ -307,7 +308,7 @@ int binding_body(struct deck_binding *b, struct deck_place name)
 static bool read_body(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
                       int *out)
 {
-    if (!count_is(b, key, entry, 1))
+    if (!check_count(b, key, entry, 1))
         return false;
     *out = binding_body(b, word_at(b, entry, 0));
     return *out >= 0;
@@ -348,7 +349,7 @@ static bool read_mix(struct deck_binding *b, const struct deck_key *key, const s
 static bool read_material(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
                           struct body_config *body)
 {
-    if (!count_is(b, key, entry, 1))
+    if (!check_count(b, key, entry, 1))
         return false;
     body->mix_material[0] = binding_material(b, word_at(b, entry, 0));
     body->mix_fraction[0] = 1;
@@ -409,7 +410,7 @@ bool value_read(struct deck_binding *b, const struct deck_key *key, struct deck_
         ok = read_reals(b, key, entry, at);
         break;
     case VALUE_WHOLE:
-        ok = count_is(b, key, entry, 1) && read_whole(b, key, entry, 0, at);
+        ok = check_count(b, key, entry, 1) && read_whole(b, key, entry, 0, at);
         break;
     case VALUE_CHOICE:
     case VALUE_FLAG:

@@ -133,7 +133,7 @@ struct reader {
     struct dm2_error *err;
 };
 
-static enum dm2_status fault(const struct reader *r, const char *problem)
+static enum dm2_status fail_row(const struct reader *r, const char *problem)
 {
     return dm2_fail(r->err, DM2_DECK, "%s:%zu: '%.40s': %s", r->csv->path, r->csv->lines[r->row],
                     csv_field(r->csv, r->row, 0), problem);
@@ -145,11 +145,11 @@ static enum dm2_status take_number(const struct reader *r, const char *unit, dou
     char problem[120];
     if (strcmp(has, unit) != 0) {
         (void)snprintf(problem, sizeof problem, "the unit '%s' is expected, not '%.20s'", unit, has);
-        return fault(r, problem);
+        return fail_row(r, problem);
     }
     if (!number_parse(text, strlen(text), value) || !isfinite(*value)) {
         (void)snprintf(problem, sizeof problem, "'%.40s' is not a finite number", text);
-        return fault(r, problem);
+        return fail_row(r, problem);
     }
     return DM2_OK;
 }
@@ -158,11 +158,11 @@ static enum dm2_status take_text(const struct reader *r, bool *seen, char out[CA
 {
     const char *text = csv_field(r->csv, r->row, 2);
     if (*seen)
-        return fault(r, "is there twice");
+        return fail_row(r, "is there twice");
     if (csv_field(r->csv, r->row, 3)[0] != '\0')
-        return fault(r, "has no unit");
+        return fail_row(r, "has no unit");
     if (strlen(text) >= CALIBRATION_TEXT_MAX)
-        return fault(r, "is too long");
+        return fail_row(r, "is too long");
     *seen = true;
     memcpy(out, text, strlen(text) + 1);
     return DM2_OK;
@@ -172,18 +172,18 @@ static enum dm2_status take_format(struct reader *r)
 {
     double format;
     if (r->seen_format)
-        return fault(r, "is there twice");
+        return fail_row(r, "is there twice");
     r->seen_format = true;
     enum dm2_status status = take_number(r, "", &format);
     if (status == DM2_OK && format != CALIBRATION_FORMAT)
-        status = fault(r, "this dm2 reads format 2 of the calibration; run dm2-model calibrate again");
+        status = fail_row(r, "this dm2 reads format 2 of the calibration; run dm2-model calibrate again");
     return status;
 }
 
 static enum dm2_status take_scalar(struct reader *r, int which)
 {
     if (r->seen_scalar[which])
-        return fault(r, "is there twice");
+        return fail_row(r, "is there twice");
     r->seen_scalar[which] = true;
     return take_number(r, r->scalars[which].unit, r->scalars[which].value);
 }
@@ -194,15 +194,15 @@ static enum dm2_status take_size(struct reader *r, const char *quantity)
     struct perf *p = &r->out->perf;
     if (strcmp(quantity, "size") == 0) {
         if (p->n_size == PERF_SIZE_MAX)
-            return fault(r, "there are too many sizes");
+            return fail_row(r, "there are too many sizes");
         p->size[p->n_size++] = (struct perf_size){.alone = NAN, .shared = NAN};
         return take_number(r, "", &p->size[p->n_size - 1].n);
     }
     if (p->n_size == 0)
-        return fault(r, "is expected behind its size");
+        return fail_row(r, "is expected behind its size");
     struct perf_size *last = &p->size[p->n_size - 1];
     double *value = strcmp(quantity, "k_alone") == 0 ? &last->alone : &last->shared;
-    return isnan(*value) ? take_number(r, "s", value) : fault(r, "is there twice");
+    return isnan(*value) ? take_number(r, "s", value) : fail_row(r, "is there twice");
 }
 
 /* The residual of a number of servers that has its row already: they are written in the order m, b, residual.
@@ -211,9 +211,9 @@ static enum dm2_status take_residual(struct reader *r, int servers)
 {
     struct perf *p = &r->out->perf;
     if (p->n_network == 0 || p->network[p->n_network - 1].servers != servers)
-        return fault(r, "is expected behind m and b of the same number of servers");
+        return fail_row(r, "is expected behind m and b of the same number of servers");
     double *residual = &r->out->residual[p->n_network - 1];
-    return isnan(*residual) ? take_number(r, "s", residual) : fault(r, "is there twice");
+    return isnan(*residual) ? take_number(r, "s", residual) : fail_row(r, "is there twice");
 }
 
 /* m, b or residual. Rows stand in the order of rising servers, so a row is new or the last one. */
@@ -223,18 +223,18 @@ static enum dm2_status take_network(struct reader *r, const char *quantity, cons
     int64_t servers;
     double value;
     if (!number_parse_integer(servers_text, strlen(servers_text), &servers) || servers < 1 || servers > 65535)
-        return fault(r, "a number of servers from 1 to 65535 is expected");
+        return fail_row(r, "a number of servers from 1 to 65535 is expected");
     if (strcmp(quantity, "residual") == 0)
         return take_residual(r, (int)servers);
     bool is_b = strcmp(quantity, "b") == 0;
     const struct perf_network *last = p->n_network == 0 ? NULL : &p->network[p->n_network - 1];
     if (last != NULL && servers < last->servers)
-        return fault(r, "the numbers of servers have to rise");
+        return fail_row(r, "the numbers of servers have to rise");
     if (last != NULL && servers == last->servers && !isnan(is_b ? last->b : last->m))
-        return fault(r, "is there twice for this number of servers");
+        return fail_row(r, "is there twice for this number of servers");
     enum dm2_status status = take_number(r, is_b ? "s" : "s/byte", &value);
     if (status == DM2_OK && perf_set_network(p, (int)servers, is_b, value, NULL) != DM2_OK)
-        status = fault(r, "there are too many numbers of servers");
+        status = fail_row(r, "there are too many numbers of servers");
     return status;
 }
 
@@ -244,11 +244,11 @@ static enum dm2_status take_row(struct reader *r)
     if (strcmp(quantity, "m") == 0 || strcmp(quantity, "b") == 0 || strcmp(quantity, "residual") == 0)
         return take_network(r, quantity, servers);
     if (servers[0] != '\0')
-        return fault(r, "does not depend on the number of servers");
+        return fail_row(r, "does not depend on the number of servers");
     if (strcmp(quantity, "format") == 0)
         return take_format(r);
     if (!r->seen_format)
-        return fault(r, "the first row of a calibration file is its format");
+        return fail_row(r, "the first row of a calibration file is its format");
     if (strcmp(quantity, "host") == 0)
         return take_text(r, &r->seen_host, r->out->host);
     if (strcmp(quantity, "version") == 0)
@@ -259,7 +259,7 @@ static enum dm2_status take_row(struct reader *r)
     for (int i = 0; i < SCALARS; i++)
         if (strcmp(quantity, r->scalars[i].name) == 0)
             return take_scalar(r, i);
-    return fault(r, "is not a quantity of a calibration file");
+    return fail_row(r, "is not a quantity of a calibration file");
 }
 
 static enum dm2_status check_complete(const struct reader *r)

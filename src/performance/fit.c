@@ -21,8 +21,8 @@ static enum dm2_status check_points(const double *x, const double *y, size_t n, 
 
 /* Fills what depends on the residuals of a line with `spent` fitted numbers; yy is the sum of squares that r2
  * is measured against, sxx and x_mean those of its slope. */
-static enum dm2_status finish(const double *x, const double *y, size_t n, size_t spent, double sxx,
-                              double x_mean, double yy, struct fit *out, struct dm2_error *err)
+static enum dm2_status finish_fit(const double *x, const double *y, size_t n, size_t spent, double sxx,
+                                  double x_mean, double yy, struct fit *out, struct dm2_error *err)
 {
     double squares = 0;
     for (size_t i = 0; i < n; i++) {
@@ -60,7 +60,7 @@ enum dm2_status fit_line(const double *x, const double *y, size_t n, struct fit 
         return dm2_fail(err, DM2_NUMERIC, "all %zu points of the line have the same x, %g", n, x[0]);
     out->slope = sxy / sxx;
     out->intercept = y_mean - out->slope * x_mean;
-    return finish(x, y, n, 2, sxx, x_mean, syy, out, err);
+    return finish_fit(x, y, n, 2, sxx, x_mean, syy, out, err);
 }
 
 enum dm2_status fit_proportional(const double *x, const double *y, size_t n, struct fit *out,
@@ -78,7 +78,7 @@ enum dm2_status fit_proportional(const double *x, const double *y, size_t n, str
     if (!(sxx > 0))
         return dm2_fail(err, DM2_NUMERIC, "all %zu points of the line have x = 0", n);
     out->slope = sxy / sxx;
-    return finish(x, y, n, 1, sxx, 0, syy, out, err);
+    return finish_fit(x, y, n, 1, sxx, 0, syy, out, err);
 }
 
 void fit_spread(const double *values, size_t n, double *mean, double *deviation)

@@ -142,7 +142,7 @@ static void time_load(const struct perf *p, const struct predict_load *load, dou
     out->t_dist = out->t_comp + fmax(0, out->t_comm - overlap * out->t_comp);
 }
 
-static enum dm2_status finish(struct prediction *out, struct dm2_error *err)
+static enum dm2_status finish_prediction(struct prediction *out, struct dm2_error *err)
 {
     out->speedup = out->t_seq / out->t_dist;
     out->efficiency = out->speedup / out->servers;
@@ -171,7 +171,7 @@ enum dm2_status predict_from_loads(const struct perf *p, const struct predict_lo
         if (k == 0 || one.t_dist > out->t_dist)
             *out = one;
     }
-    return finish(out, err);
+    return finish_prediction(out, err);
 }
 
 static enum dm2_status predict_general(const struct perf *p, int cx, int cy, const struct predict_options *o,
@@ -242,7 +242,7 @@ enum dm2_status predict(const struct perf *p, double n, double s, int servers,
         out->t_comp = out->t_dist = out->t_seq;
         out->measured = true;
     }
-    return finish(out, err);
+    return finish_prediction(out, err);
 }
 
 /* Do `servers` beat one at this n? False where the grid is too small for them, or too large to be one. */
