@@ -1,8 +1,8 @@
-/* Binding goes through the blocks three times: which kind is each and how many are there; the names of
- * materials, so that order does not matter; then all values.
+/* Binding has three passes over the blocks: the first finds the kind of each block, the second the names of
+ * the materials, so that the order of blocks does not matter, the third reads all values.
  *
- * What is missing is reported only where nothing unknown could have been meant by it: `sise = 1 2` is one
- * mistake, not an unknown keyword and a missing one. */
+ * A missing block or keyword is a finding only where no unknown word is near its name, because `sise = 1 2`
+ * is one mistake, not an unknown keyword and a missing keyword. */
 #include "bind.h"
 
 #include <stddef.h>
@@ -43,14 +43,14 @@ struct deck_place binding_place(const struct deck_binding *b, size_t block, cons
     return i < entry->n ? b->tree->nodes[b->tree->values[entry->first + i]].place : entry->key;
 }
 
-/* --- which blocks there are --- */
+/* --- the kinds of blocks --- */
 
 static struct deck_place name_of(const struct deck_binding *b, size_t block, size_t i)
 {
     return b->tree->names[block_at(b, block)->first_name + i];
 }
 
-/* The same without quotes. */
+/* The i-th name of a block without its quotes. */
 static struct deck_place bare_name_of(const struct deck_binding *b, size_t block, size_t i)
 {
     struct deck_place name = name_of(b, block, i);
@@ -77,7 +77,7 @@ static bool kind_is_named(enum block_kind kind)
            kind == BLOCK_VOID || kind == BLOCK_FLAW || kind == BLOCK_PHASE || kind == BLOCK_REACTION;
 }
 
-/* Is the number of names between the word and the brace right, and can they be names? */
+/* Checks the number of names between the word and the brace, and whether they are valid names. */
 static bool check_head(struct deck_binding *b, size_t block)
 {
     const struct block_schema *schema = schema_block(b->kinds[block]);
@@ -156,9 +156,10 @@ static void check_missing_blocks(struct deck_binding *b)
     }
 }
 
-/* --- the things that blocks describe --- */
+/* --- blocks that fill arrays of the config --- */
 
-/* How many blocks of this kind have a good head; their indices go to `blocks`. */
+/* Appends the blocks of this kind that have a valid head to `blocks`, which holds `used` of them, up to
+ * `max`. Returns their new number. */
 static size_t collect_blocks(struct deck_binding *b, enum block_kind kind, size_t max, size_t *blocks,
                              size_t used)
 {
@@ -187,7 +188,8 @@ static int compare_named(const void *a, const void *b)
     return order != 0 ? order : x->block < y->block ? -1 : x->block > y->block;
 }
 
-/* Copies the names of n things; `stride` bytes apart from `names`. Reports those that are there twice. */
+/* Copies the names of n blocks to `names`, `stride` bytes apart. A repeated name is a finding. False: no
+ * memory. */
 static bool name_things(struct deck_binding *b, const size_t *blocks, size_t n, char *names, size_t stride)
 {
     struct named_thing *sorted = mem_zalloc(n, sizeof *sorted);
@@ -229,8 +231,8 @@ bool binding_missing(const struct deck_binding *b, size_t block, const char *key
            !unknown_key_like(b, block, schema_block(b->kinds[block]), key);
 }
 
-/* Reads all entries of a block into `base`. Gives the keywords that were given and those that are bad, as
- * bits. */
+/* Reads all entries of a block into `base`. Bit i of *set: the i-th keyword of the schema was given; of *bad:
+ * its value did not read. */
 static void read_entries(struct deck_binding *b, size_t block, void *base, uint32_t *set, uint32_t *bad)
 {
     const struct deck_block *at = block_at(b, block);
@@ -279,7 +281,7 @@ static void read_block(struct deck_binding *b, size_t block, void *base)
     check_missing_keys(b, block, set);
 }
 
-/* The radius and the distance of rows follow from the spacing. */
+/* The defaults of the row spacing and of the radius follow from the spacing. */
 static void finish_body(struct deck_binding *b, size_t block, void *item)
 {
     struct body_config *body = item;
@@ -292,7 +294,7 @@ static void finish_body(struct deck_binding *b, size_t block, void *item)
         body->packing_place = findings_place(b->findings, binding_place(b, block, "solid_fraction", 0));
 }
 
-/* The range follows from the domain, the interval from the number of steps. */
+/* The default of the range is the domain, that of the interval 1/20 of the run. */
 static void finish_profile(struct deck_binding *b, size_t block, void *item)
 {
     const struct config *c = b->config;
@@ -305,12 +307,13 @@ static void finish_profile(struct deck_binding *b, size_t block, void *item)
         profile->every = c->steps / 20 > 1 ? c->steps / 20 : 1;
 }
 
-/* Blocks of one kind that fill an array of the config, an item each. An item begins with its name. */
+/* The blocks of one kind, each of which fills one item of an array of the config. An item begins with its
+ * name. `finish` sets the defaults that depend on other values. */
 struct thing {
-    size_t most, size;   /* items that a deck may have; bytes of an item */
-    size_t items, count; /* offsets in struct config of the array and of the number of its items */
+    size_t most, size;   /* the most items of a deck; bytes of an item */
+    size_t items, count; /* offsets in struct config: the array, the number of its items */
     const void *initial; /* an item before the schema's defaults; NULL: zeros */
-    void (*finish)(struct deck_binding *b, size_t block, void *item); /* fills what follows from the values */
+    void (*finish)(struct deck_binding *b, size_t block, void *item); /* NULL: none */
 };
 
 static const struct reaction_config initial_reaction = {.reactant = {-1, -1}, .product = -1};
@@ -359,7 +362,7 @@ static bool bind_things(struct deck_binding *b, enum block_kind kind)
 
 /* --- phases --- */
 
-/* The constants that the deck does not give are those of the phase it forms from, which stands before it. */
+/* Sets each constant that the deck does not give to that of the parent phase. */
 static void inherit_constants(struct deck_binding *b, size_t block, const struct material_config *from,
                               struct material_config *to)
 {
@@ -376,7 +379,8 @@ static void inherit_constants(struct deck_binding *b, size_t block, const struct
     to->t0 = from->t0;
 }
 
-/* The phase that phase i forms from: -1, the material; -2 after a finding. */
+/* The parent of phase i: the index of an earlier phase; -1: the material itself; -2: unknown, a finding was
+ * added. */
 static int find_parent_phase(struct deck_binding *b, size_t i)
 {
     const struct phase_config *phases = b->config->phases, *phase = &phases[i];
@@ -455,7 +459,7 @@ static bool read_rule_head(struct deck_binding *b, size_t block, struct interact
     return ok;
 }
 
-/* One number for what a rule is about. */
+/* A distinct index for each combination of relation and materials that a rule can name. */
 static long rule_pair_index(const struct interaction_rule *rule)
 {
     return ((long)(rule->relation + 1) * (MATERIAL_MAX + 1) + rule->material[0] + 1) * (MATERIAL_MAX + 1) +
@@ -518,7 +522,7 @@ bool deck_bind(struct deck_binding *b, int64_t steps)
     check_missing_blocks(b);
     if (steps >= 0)
         c->steps = steps;
-    /* After the domain and the time, from which finish_profile takes its defaults. */
+    /* The domain and the time are bound by now; finish_profile takes defaults from them. */
     ok = bind_things(b, BLOCK_PROFILE) && ok;
     if (c->output.history_every < 0)
         c->output.history_every = c->steps / 200 > 150 ? c->steps / 200 : 150;

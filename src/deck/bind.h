@@ -1,5 +1,5 @@
-/* From the tree of a deck to its config, by the schema: names, types, dimensions, limits, duplicates, missing
- * keywords. What the values mean together is deck_check's. */
+/* Binding: from the tree of a deck to its config, by the schema. Binding checks names, types, dimensions,
+ * limits, repeated and missing keywords; deck_check checks the values against each other. */
 #ifndef DM2_DECK_BIND_H
 #define DM2_DECK_BIND_H
 
@@ -16,40 +16,43 @@ struct deck_binding {
     struct deck_tree *tree;
     struct findings *findings;
     struct config *config;
-    bool steps_replaced;         /* by --steps */
+    bool steps_replaced;         /* --steps replaces `steps` of the deck */
     enum block_kind *kinds;      /* of each block of the tree; BLOCK_COUNT: unknown */
     size_t single[BLOCK_COUNT];  /* index of the first block of a kind; tree->n_blocks: none */
-    size_t *blocks[BLOCK_COUNT]; /* blocks[kind][i]: the block of the i-th item of config->materials and so
-                                  * on; of config->rules: [BLOCK_INTERACTION] */
+    size_t *blocks[BLOCK_COUNT]; /* blocks[kind][i]: the block of the i-th item of the config's array for this
+                                    kind; of config->rules: blocks[BLOCK_INTERACTION] */
 };
 
-/* Fills *b and b->config, both empty at the start but for tree, findings and config. A real value that was
- * given but does not read is NaN, any other such value its default. False: no memory. */
+/* Fills *b and b->config. Both are empty at the start, except for b->tree, b->findings and b->config. `steps`
+ * is the value of --steps, -1: none. A real value that was given but does not read is NaN, any other such
+ * value has its default. False: no memory. */
 bool deck_bind(struct deck_binding *b, int64_t steps);
 void deck_binding_free(struct deck_binding *b);
 
-/* Was the keyword given in this block, and does it read? */
+/* True if the keyword was given in this block and its value reads. */
 bool binding_given(const struct deck_binding *b, size_t block, const char *key);
 
-/* Was it given, but does it not read? */
+/* True if the keyword was given in this block and its value does not read. */
 bool binding_bad(const struct deck_binding *b, size_t block, const char *key);
 
-/* Is it simply not there, nor something that could be meant by it? */
+/* True if the keyword is missing in this block, and no unknown keyword is near its name. */
 bool binding_missing(const struct deck_binding *b, size_t block, const char *key);
 
-/* The place of the i-th value of a keyword; where it was not given, that of the block's word. */
+/* The place of the i-th value of a keyword; of the block's word where the keyword was not given; of the end
+ * of the deck where `block` is no block. */
 struct deck_place binding_place(const struct deck_binding *b, size_t block, const char *key, size_t i);
 
-/* Reads the values of one entry into `base`, the struct that its block fills. False: it was bad. */
+/* Reads the values of one entry into `base`, the struct that its block fills. False: the value does not read,
+ * and a finding was added. */
 bool value_read(struct deck_binding *b, const struct deck_key *key, struct deck_entry *entry, void *base);
 
-/* The index of the material that a value names; -1: there is none, reported. */
+/* The index of the material that a value names. -1: no such material, a finding was added. */
 int binding_material(struct deck_binding *b, struct deck_place name);
 
-/* The index of the body that a value names; -1: there is none, reported. Bodies are bound by then. */
+/* The index of the body that a value names; bodies must be bound. -1: no such body, a finding was added. */
 int binding_body(struct deck_binding *b, struct deck_place name);
 
-/* A double as messages show it, with the fewest digits that read back. */
+/* A double as messages show it: the fewest digits that read back to the same double. Returns `out->text`. */
 struct number_text {
     char text[NUMBER_TEXT_MAX];
 };

@@ -1,5 +1,5 @@
-/* The checks that look at several keywords at once. Values that were bad are NaN, and all comparisons are
- * written so that NaN triggers nothing: one mistake gives one finding. */
+/* Checks of the domain, the output and the profiles, each over several keywords. A value that did not read is
+ * NaN, and every comparison is written to be false for NaN, so that one mistake gives one finding. */
 #include "check.h"
 
 #include <math.h>
@@ -19,7 +19,7 @@ static void check_domain(const struct deck_binding *b)
         findings_error(b->findings, binding_place(b, block, "r_c", 0),
                        "r_c = %s cm is below the contact distance of %g cm, so that contacts would be missed",
                        number_text(c->r_c, &r_c), config_contact_distance(c));
-    /* False where one of them is NaN. */
+    /* False where a value is NaN. */
     bool known = reach > 0 && c->size[0] > 0 && c->size[1] > 0;
     for (int a = 0; a < 2; a++)
         known = known && isfinite(c->size[a]) && isfinite(c->origin[a]) && !binding_bad(b, block, "boundary");

@@ -1,16 +1,17 @@
-/* Does what a deck says make physical sense together? Findings only; the config stays as it is. */
+/* Checks of a config for physical sense. The checks add findings and leave the config as it is. */
 #ifndef DM2_DECK_CHECK_H
 #define DM2_DECK_CHECK_H
 
 #include "bind.h"
 
-/* Elements are numbered with 32 bits; an estimate above this is refused. */
+/* Elements are numbered with 32 bits. A deck whose estimated number of elements is above this is refused. */
 #define DECK_MAX_ELEMENTS 4e9
 
-/* The whole deck. Where something was bad before, what depends on it is not checked. False: no memory. */
+/* Checks the whole deck. A check that needs a value that did not read is skipped. False: no memory. */
 bool deck_check(const struct deck_binding *b);
 
-/* Its parts: bodies, probes and output; materials and their pairs. */
+/* The parts of deck_check. check_bodies: bodies, voids, flaws and probes; false: no memory. check_materials:
+ * materials and the interactions of their pairs. */
 bool check_bodies(const struct deck_binding *b);
 void check_materials(const struct deck_binding *b);
 void check_chemistry(const struct deck_binding *b); /* phases and the reaction */

@@ -1,5 +1,5 @@
-/* Bodies and probes: shapes, what they are made of, whether they lie in the domain and apart from one
- * another. */
+/* Checks of bodies, voids, flaws and probes: their shapes, the materials and the structure of a body, whether
+ * bodies lie in the domain, whether bodies overlap. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -14,7 +14,7 @@ static bool body_shape_known(const struct deck_binding *b, size_t body)
     return binding_given(b, b->blocks[BLOCK_BODY][body], "shape");
 }
 
-/* What is wrong with the shape alone; NULL: nothing. */
+/* The message about an invalid shape; NULL: the shape is valid. */
 static const char *shape_problem(const struct shape_config *s)
 {
     if (s->kind == SHAPE_RECTANGLE && !(s->box[0] < s->box[2] && s->box[1] < s->box[3]))
@@ -62,7 +62,7 @@ static void check_mix(const struct deck_binding *b, size_t i)
                        "the fractions of the mix sum to %.9g, not to 1", sum);
 }
 
-/* A fixed body has no velocity, one of prescribed motion no random one. */
+/* A fixed body has no velocity, and a body of prescribed motion has no random velocities. */
 static void check_motion(const struct deck_binding *b, size_t i)
 {
     const struct body_config *body = &b->config->bodies[i];
@@ -84,7 +84,7 @@ static void refuse_meaningless(const struct deck_binding *b, size_t block, const
                        "'%s' has no meaning for a body whose structure is %s", key, structure);
 }
 
-/* Grains: what each structure needs, and what it cannot use. */
+/* Checks that the keywords which a structure needs are given, and that others are not. */
 static void check_structure(const struct deck_binding *b, size_t i)
 {
     static const char *const names[] = {"crystal", "polycrystal", "discs", "polygons"};
@@ -164,8 +164,8 @@ static int compare_boxes(const void *a, const void *b)
     return x->body < y->body ? -1 : x->body > y->body;
 }
 
-/* Has one of the bodies a void of its own where the other is? Then it makes room for it; should it not,
- * elements that overlap are found when they are made. */
+/* True if one of the two bodies has a void of its own that overlaps the other body. Elements that overlap in
+ * spite of the void are found when they are generated. */
 static bool void_makes_room(const struct config *c, size_t i, size_t j)
 {
     for (size_t k = 0; k < c->n_voids; k++) {
@@ -179,7 +179,7 @@ static bool void_makes_room(const struct config *c, size_t i, size_t j)
 
 static void check_overlap(const struct deck_binding *b, size_t i, size_t j)
 {
-    /* The later one of the deck is told about. */
+    /* The finding is at the later body of the deck. */
     size_t first = i < j ? i : j, second = i < j ? j : i;
     const struct body_config *x = &b->config->bodies[first], *y = &b->config->bodies[second];
     struct deck_place place = binding_place(b, b->blocks[BLOCK_BODY][second], "shape", 0);
@@ -195,7 +195,7 @@ static void check_overlap(const struct deck_binding *b, size_t i, size_t j)
                       x->name, y->name);
 }
 
-/* Sweeps over the bodies from left to right. */
+/* Checks all pairs of bodies that overlap in x, by a sweep from left to right. */
 static void check_overlaps(const struct deck_binding *b, struct body_box *boxes, size_t n)
 {
     qsort(boxes, n, sizeof *boxes, compare_boxes);
@@ -225,7 +225,8 @@ static void check_probes(const struct deck_binding *b, const struct body_box *bo
     }
 }
 
-/* Does a void or a flaw meet its body, or any? True also where that is not known. */
+/* True if the shape overlaps body `body`, or any body where `body` is -1. Also true where a shape of a body
+ * did not read. */
 static bool meets_a_body(const struct deck_binding *b, const struct shape_config *shape, int body)
 {
     const struct config *c = b->config;
@@ -254,7 +255,7 @@ static void check_voids(const struct deck_binding *b)
     }
 }
 
-/* The line as a sliver with an area, for shape_overlaps. */
+/* The line as a thin quadrangle, because shape_overlaps needs an area. */
 static struct shape_config line_sliver(const double line[4])
 {
     double dx = line[2] - line[0], dy = line[3] - line[1], thin = 1e-9;

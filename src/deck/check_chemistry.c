@@ -1,5 +1,6 @@
-/* Phases and the reaction: constants that they need, and constants that would make them undo themselves or
- * begin at once. Values that were bad are NaN; comparisons are written so that NaN triggers nothing. */
+/* Checks of phases and of the reaction: constants that are missing, and constants with which a phase would
+ * form at the first step or go back as soon as it forms. A value that did not read is NaN, and every
+ * comparison is written to be false for NaN. */
 #include <math.h>
 
 #include "check.h"
@@ -15,8 +16,8 @@ static const struct material_config *parent_state(const struct config *c, const 
     return phase->from < 0 ? &c->materials[phase->material] : &c->phases[phase->from].state;
 }
 
-/* The drop of temperature that forming the phase makes must not take it below the line that it goes back at.
- */
+/* The latent heat lowers the temperature by latent/cp. The hysteresis must be larger, because the phase would
+ * go back at once otherwise. */
 static void check_hysteresis(const struct deck_binding *b, size_t i)
 {
     const struct phase_config *phase = &b->config->phases[i];
@@ -41,7 +42,7 @@ static void check_hysteresis(const struct deck_binding *b, size_t i)
                       number_text(phase->hysteresis_p, &got), phase->name, number_text(relief, &want));
 }
 
-/* A body beyond the line at zero pressure would change at its first step. */
+/* A body that lies beyond the line at zero pressure would change its phase at the first step. */
 static void check_initial_phase(const struct deck_binding *b, size_t i)
 {
     const struct phase_config *phase = &b->config->phases[i];

@@ -1,6 +1,6 @@
-/* Materials, and the interactions of the pairs of them that can meet: in one body, or in two. Each finding
- * points at the block that has the last word on the keyword in question; a finding that several pairs share
- * appears once. */
+/* Checks of materials, and of the interactions of those pairs of materials that can meet in one body or in
+ * two. Each finding is at the block that decides the keyword in question. A finding that several pairs share
+ * appears once, because equal findings at one place are one finding. */
 #include <math.h>
 #include <string.h>
 
@@ -37,7 +37,7 @@ static int key_index(const char *key)
     return schema_find_key(schema_block(BLOCK_INTERACTION), key, strlen(key));
 }
 
-/* The block that decides on this keyword for the pair; tree->n_blocks: none, the default holds. */
+/* The block that decides this keyword for the pair; tree->n_blocks: none, the default holds. */
 static size_t deciding_block(const struct pair_check *p, const char *key)
 {
     int rule =
@@ -62,7 +62,8 @@ static const char *potential_name(enum potential_kind potential)
                                             : "lennard-jones";
 }
 
-/* Given for this potential: not in a more general block than the one that chooses the potential. */
+/* True if the keyword is given for the potential of the pair: not by a rule that is more general than the
+ * rule which chooses the potential. */
 static bool given_for_potential(const struct pair_check *p, const char *key)
 {
     const struct config *c = p->b->config;
@@ -82,7 +83,7 @@ static void warn_meaningless(const struct pair_check *p, const char *key)
                       potential_name(p->law.potential));
 }
 
-/* Keywords of another potential, and Hugoniot data that the potential cannot follow. */
+/* Checks for keywords of another potential, and for Hugoniot data that the potential cannot follow. */
 static void check_potential(const struct pair_check *p)
 {
     bool lj = p->law.potential == POTENTIAL_LENNARD_JONES, morse = p->law.potential == POTENTIAL_MORSE;
@@ -105,7 +106,7 @@ static void check_potential(const struct pair_check *p)
                 p->b->config->materials[p->materials[i]].name);
 }
 
-/* Does the pair have a stiffness and, for Morse, a shape? */
+/* Checks that the pair has a stiffness and, with the Morse potential, a shape. */
 static void check_calibration(const struct pair_check *p)
 {
     static const char *const needed[] = {"rho0", "c0", "s"};
@@ -115,7 +116,7 @@ static void check_calibration(const struct pair_check *p)
     for (int i = 0; i < 2; i++) {
         size_t block = p->b->blocks[BLOCK_MATERIAL][p->materials[i]];
         const char *name = p->b->config->materials[p->materials[i]].name;
-        /* Without rho0 and mass the material has its own finding. */
+        /* A material with neither rho0 nor mass has a finding of check_material. */
         bool massive = binding_given(p->b, block, "mass");
         for (int k = 0; k < 3; k++) {
             if (!(k < 2 ? stiffness : shape) || !binding_missing(p->b, block, needed[k]) ||
@@ -132,7 +133,7 @@ static void check_calibration(const struct pair_check *p)
     }
 }
 
-/* What bounds a stiffness that is not there. */
+/* Checks that a pair with a yield stress has a shear stiffness. */
 static void check_yield(const struct pair_check *p)
 {
     int m = p->materials[0];
@@ -176,9 +177,9 @@ static void check_pair(const struct deck_binding *b, int m, int n, enum relation
 }
 
 struct usage {
-    unsigned char together[MATERIAL_MAX][MATERIAL_MAX]; /* in one body */
-    size_t bodies[MATERIAL_MAX];                        /* how many have it */
-    size_t last[MATERIAL_MAX];                          /* the last of them */
+    unsigned char together[MATERIAL_MAX][MATERIAL_MAX]; /* do two materials occur in one body */
+    size_t bodies[MATERIAL_MAX];                        /* the number of bodies that have the material */
+    size_t last[MATERIAL_MAX];                          /* the last of these bodies */
 };
 
 static void count_usage(const struct config *c, struct usage *u)
@@ -194,7 +195,7 @@ static void count_usage(const struct config *c, struct usage *u)
     }
 }
 
-/* Can an element of m in one body meet one of n in another? */
+/* True if an element of material m in one body can meet an element of material n in another. */
 static bool meet_across_bodies(const struct usage *u, size_t m, size_t n)
 {
     if (u->bodies[m] == 0 || u->bodies[n] == 0)

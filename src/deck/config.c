@@ -1,5 +1,6 @@
-/* Puts an interaction together from the rules of the deck. A rule is a set of fields; the more specific one
- * wins field by field, so that `interface body { linked = no }` changes nothing else. */
+/* Resolution of interactions, and the other functions on a config. A rule sets some keywords of an
+ * interaction. Of the rules that set a keyword for a pair the most specific one holds, so that `interface
+ * body { linked = no }` changes nothing but `linked`. */
 #include "dm2/deck/config.h"
 
 #include <stdarg.h>

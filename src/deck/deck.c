@@ -1,5 +1,5 @@
-/* From texts to a config: parse, evaluate, bind, check. Every pass goes on after mistakes and leaves its
- * findings in one place; a config is given away only when there was no error. */
+/* From texts to a config in four passes: parse, evaluate, bind, check. Every pass continues after a mistake,
+ * and all passes add to the same findings. The config is given to the caller only where there is no error. */
 #include "dm2/deck/deck.h"
 
 #include <stdlib.h>
@@ -16,7 +16,7 @@ void deck_report_free(struct deck_report *report)
     *report = (struct deck_report){0};
 }
 
-/* Limits on what comes in, before anything is read. */
+/* Checks the sizes of a source before anything is read. */
 static bool check_limits(const struct deck_source *source, struct findings *findings)
 {
     size_t bytes = 0;
@@ -33,7 +33,7 @@ static bool check_limits(const struct deck_source *source, struct findings *find
     return findings->n_errors == 0;
 }
 
-/* Lets that nothing asked for: evaluated all the same, for their errors. */
+/* Evaluates the lets that no value used, for their errors, and warns of them in a deck without errors. */
 static void check_lets(const struct deck_tree *tree, struct findings *findings)
 {
     struct quantity ignored;

@@ -1,4 +1,5 @@
-/* Every text goes in behind its length, so that moving bytes from one text to the next changes the digest. */
+/* The digest covers the length of each text before its bytes, so that moving bytes from one text to the next
+ * changes the digest. */
 #include "dm2/deck/digest.h"
 
 #include <string.h>

@@ -1,16 +1,17 @@
-/* Evaluation of expressions. Every operation checks dimensions and that its result is finite, and reports at
- * its own operator. Lets are evaluated when they are first asked for, so that their order does not matter;
- * one that is asked for while it is under way refers to itself.
+/* Evaluation of expressions. Every operation checks the dimensions of its operands and that its result is
+ * finite; a finding is at the operator. A let is evaluated when its value is first needed, so that the order
+ * of lets does not matter. A let whose value is needed during its own evaluation refers to itself.
  *
- * Arithmetic is + - * / and sqrt on doubles: the same bits on every machine. A power is repeated
- * multiplication. */
+ * Arithmetic is + - * / and sqrt on doubles, because these give the same bits on every machine. A power is a
+ * repeated multiplication. */
 #include <math.h>
 #include <string.h>
 
 #include "expr.h"
 #include "functions.h"
 
-/* Together, the depths of expressions that wait for one another through lets. */
+/* EVAL_MAX_DEPTH bounds the recursion over the nodes of an expression and of all lets that are under
+ * evaluation. */
 enum { EVAL_MAX_DEPTH = 2000, POWER_MAX = 1000 };
 
 #define PI 3.14159265358979323846
@@ -74,7 +75,7 @@ static bool eval_power(struct evaluation *e, const struct deck_node *node, struc
 static bool eval_binary(struct evaluation *e, const struct deck_node *node, struct quantity *out)
 {
     struct quantity a, b;
-    /* Both sides, so that the errors of both are found. */
+    /* Both operands are evaluated, so that the errors of both are found. */
     bool ok = eval_subtree(e, node->a, &a);
     ok = eval_subtree(e, node->b, &b) && ok;
     if (!ok)

@@ -1,10 +1,10 @@
-/* Reading of expressions: precedence climbing over + - * / ^, unary minus, calls, numbers with units.
+/* Parsing of expressions by precedence climbing over + - * / ^, unary minus, calls, and numbers with units.
  *
- * A unit binds to the number before it more tightly than any operator, `a/400 m/s` is a/(400 m/s), and goes
- * on as long as * or / is followed by another unit. Node 0 is a bad node: every failure, that of memory too,
- * returns it, so that no caller meets an index that is none. Depth is bounded in the reader (recursion) and
- * in the nodes (a long chain of additions is a deep tree), so that the evaluation cannot exhaust the stack
- * either. */
+ * A unit binds to the number before it more tightly than any operator, so that `a/400 m/s` is a/(400 m/s). A
+ * unit continues as long as * or / is followed by another unit. Every failure, lack of memory included, gives
+ * node 0, the bad node, so that every node that a caller gets has a valid index. Depth is bounded during
+ * parsing (recursion) and in the nodes (a long chain of additions is a deep tree), so that the evaluation
+ * cannot exhaust the stack. */
 #include "expr.h"
 
 #include <math.h>
@@ -75,7 +75,7 @@ static int32_t fail_too_deep(struct deck_parser *p, struct deck_place place)
     return 0;
 }
 
-/* The node of an operator on one or two nodes. */
+/* Adds the node of an operator with one operand (b = -1) or two. */
 static int32_t add_operation(struct deck_parser *p, enum node_kind kind, int op, struct deck_place op_place,
                              int32_t a, int32_t b)
 {
@@ -105,7 +105,7 @@ static bool find_token_unit(const struct deck_parser *p, const struct token *t, 
            unit_find(place_bytes(p->findings->source, parser_place(p, t)), t->length, out);
 }
 
-/* The power behind a unit, `^2` or `^-1`; 1 where there is none. False: it does not read. */
+/* Parses the power after a unit, `^2` or `^-1`; 1 where there is none. False: the power does not read. */
 static bool parse_unit_power(struct deck_parser *p, int *power)
 {
     *power = 1;
@@ -127,7 +127,8 @@ static bool parse_unit_power(struct deck_parser *p, int *power)
     return false;
 }
 
-/* The unit that follows, if one does. False: it does not read; *last is its last token. */
+/* Parses the unit at the current token, if there is one (*given). *last is the last token of the unit. False:
+ * the unit does not read. */
 static bool parse_unit(struct deck_parser *p, struct unit *unit, const struct token **last, bool *given)
 {
     struct unit symbol;
@@ -195,7 +196,7 @@ static int32_t parse_leaf(struct deck_parser *p, enum node_kind kind)
 
 static int32_t parse_sum(struct deck_parser *p);
 
-/* Expects ')' and takes it. */
+/* Moves past ')'. False: another token is there, and a finding was added. */
 static bool close_paren(struct deck_parser *p, const char *expected)
 {
     const struct token *t = parser_peek(p);
@@ -211,7 +212,7 @@ static bool close_paren(struct deck_parser *p, const char *expected)
     return false;
 }
 
-/* A unit behind `)`: a product with it. */
+/* Multiplies node a by the unit after its ')', if there is one. */
 static int32_t multiply_by_unit(struct deck_parser *p, int32_t a)
 {
     struct unit unit;
@@ -338,7 +339,7 @@ static int32_t parse_power(struct deck_parser *p)
     return add_operation(p, NODE_BINARY, '^', op, base, parse_unary(p));
 }
 
-/* Every recursion of the reader passes here. */
+/* Every recursion of the parser passes through parse_unary, which bounds the depth. */
 static int32_t parse_unary(struct deck_parser *p)
 {
     const struct token *t = parser_peek(p);
@@ -367,7 +368,7 @@ static int32_t parse_product(struct deck_parser *p)
     return left;
 }
 
-/* In a list, a minus with a blank before it and none behind begins the next value. */
+/* True at a minus that begins the next value of a list: a blank is before the minus and none after it. */
 static bool begins_next_value(const struct deck_parser *p, const struct token *t)
 {
     return p->parens == 0 && t->kind == '-' && t->spaced && !(t + 1)->spaced;
@@ -392,7 +393,7 @@ int32_t expr_parse(struct deck_parser *p)
     p->depth = 0;
     p->line_end = 0;
     int32_t node = parse_sum(p);
-    /* After a failure inside parentheses, what follows the line is a statement of its own. */
+    /* After a failure inside parentheses the next line is a statement of its own. */
     if (node == 0 && p->parens > 0 && p->line_end > 0)
         p->at = p->line_end;
     p->parens = 0;

@@ -1,9 +1,10 @@
-/* Findings are kept in a fixed array, in the order in which they came up, and sorted by place when they are
- * rendered: a reader goes through the deck from top to bottom, whichever pass noticed what.
+/* Findings are kept in a fixed array in the order in which they were added, and sorted by place when they are
+ * rendered, because a reader goes through the deck from top to bottom.
  *
- * The texts come from files and sockets. A report may go to a terminal, so that it shows printable ASCII and
- * well-formed UTF-8 only: any other byte is shown as '?'. Columns count characters, not bytes. Below the line
- * stands a caret; the blanks before it repeat the line's tabs, so that it stands right at any tab width. */
+ * The texts come from files and sockets, and a report may go to a terminal. A report therefore has printable
+ * ASCII and well-formed UTF-8 only; any other byte is shown as '?'. Columns count characters, not bytes. The
+ * blanks before the caret repeat the tabs of the line above, so that the caret is in the right column at any
+ * tab width. */
 #include "findings.h"
 
 #include <stdarg.h>
@@ -15,7 +16,7 @@
 #include "dm2/base/mem.h"
 #include "dm2/base/text.h"
 
-/* Of a longer line, a window around the caret is shown. */
+/* A line of more than LINE_SHOWN bytes is shown from LINE_BEFORE bytes before the caret on. */
 enum { LINE_SHOWN = 160, LINE_BEFORE = 80 };
 
 void findings_start(struct findings *f, const struct deck_source *source)
@@ -154,7 +155,7 @@ static void put_printable(struct rendering *out, const char *s, size_t n, bool k
     }
 }
 
-/* The caret line: as wide as the shown bytes from `from` to `at`, then ^ and ~ to `to`. */
+/* Puts the caret line: blanks as wide as the bytes from `from` to `at`, then ^, then ~ up to `to`. */
 static void put_caret(struct rendering *out, const char *line, size_t from, size_t at, size_t to)
 {
     for (size_t i = from; i < at;) {
@@ -193,7 +194,7 @@ static void put_line(struct rendering *out, const char *text, size_t length, siz
     put_caret(out, text, from, at, to);
 }
 
-/* Where a thing stands: "file:line:column", and the start of that line. */
+/* Puts "file:line:column" of a place. Returns the offset at which the line of the place begins. */
 static size_t put_where(struct rendering *out, const struct findings *f, struct deck_place place)
 {
     size_t length, start = 0, column = 1;
@@ -236,7 +237,7 @@ char *findings_place(const struct findings *f, struct deck_place place)
         free(out.text);
         return NULL;
     }
-    out.text[out.used - 1] = '\0'; /* its last newline */
+    out.text[out.used - 1] = '\0'; /* the last newline */
     return out.text;
 }
 
@@ -251,7 +252,7 @@ char *findings_render(struct findings *f)
 {
     struct rendering out = {0};
     put_text(&out, "");
-    /* Insertion sort: few items, and those of one place keep their order. */
+    /* An insertion sort, because there are few items and the findings of one place keep their order. */
     for (size_t i = 1; i < f->n; i++) {
         struct finding item = f->items[i];
         size_t j = i;

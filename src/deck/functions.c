@@ -1,5 +1,5 @@
-/* Only functions whose result is exact or correctly rounded on every machine: a deck gives the same bits
- * everywhere, so there is no sin, exp or pow. */
+/* The functions are those whose result is exact or correctly rounded on every machine, because a deck must
+ * give the same bits everywhere. Therefore there is no sin, exp or pow. */
 #include "functions.h"
 
 #include <string.h>

@@ -1,4 +1,4 @@
-/* The functions of expressions. */
+/* The functions that an expression of a deck can call. */
 #ifndef DM2_DECK_FUNCTIONS_H
 #define DM2_DECK_FUNCTIONS_H
 
@@ -16,10 +16,10 @@ enum deck_function {
     FUNCTION_ROUND
 };
 
-/* The function of this name, -1: none. */
+/* The function of this name (enum deck_function); -1: none. */
 int function_find(const char *name, size_t length);
 
-/* 1: takes one value, 2: takes two or more. */
+/* The arguments of a function; 1: one value, 2: two values or more. */
 int function_arguments(int function);
 
 const char *function_name(int function);

@@ -1,9 +1,9 @@
-/* The lexer goes through the bytes once. Everything outside comments and strings is ASCII; the list of tokens
- * always ends in TOKEN_END, whatever the text held.
+/* The lexer reads the bytes once. A byte outside comments and strings must be ASCII. The list of tokens ends
+ * in TOKEN_END for any text.
  *
  * A number must read to its end: `1.2.3`, `0x10` and `1e` are errors, never the number that a prefix of them
- * would be. A unit may follow without a blank (`3cm`), so what follows the digits is looked up as one; that
- * is the only knowledge that the lexer has of meaning. */
+ * would be. A unit may follow without a blank (`3cm`), so the lexer looks up the word after the digits as a
+ * unit. The lexer uses no other meaning of words. */
 #include "lex.h"
 
 #include <string.h>
@@ -16,7 +16,7 @@ struct lexer {
     size_t length, at;
     int text_index;
     bool spaced;
-    bool bad_byte_reported; /* a byte that belongs into no text was found: the first one is reported */
+    bool bad_byte_reported; /* a byte that no text may have was found; only the first is a finding */
     size_t *budget;
     struct tokens *out;
     struct findings *findings;
@@ -32,7 +32,7 @@ static bool is_letter(char c)
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
 }
 
-/* The byte at `at`, NUL behind the end. */
+/* The byte at `at`; NUL after the end. */
 static char byte_at(const struct lexer *lex, size_t at)
 {
     return at < lex->length ? lex->text[at] : '\0';
@@ -79,7 +79,7 @@ static size_t digits_end(const struct lexer *lex, size_t at)
     return at;
 }
 
-/* Everything that a reader would take for part of a broken number. */
+/* The end of the bytes that look like parts of an invalid number. */
 static size_t broken_number_end(const struct lexer *lex, size_t at)
 {
     for (;; at++) {

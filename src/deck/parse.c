@@ -1,9 +1,11 @@
-/* Statements: let, include, blocks and their entries. The parser recovers at the end of a statement (line end
- * or semicolon) or of a block, so that one mistake is one finding and the next mistake is still found. An
- * entry whose values do not read is kept and marked, so that it is not missed afterwards as well.
+/* Parsing of statements: let, include, blocks and their entries. After a mistake the parser continues at the
+ * end of the statement (end of line or semicolon) or of the block, so that one mistake is one finding and the
+ * next mistake is still found. An entry whose values do not read is kept and marked bad, so that it is not a
+ * missing entry as well.
  *
- * An included text is parsed where its `include` stands, once however often it is named; one that is under
- * way is a cycle. Names of texts are those of deck_source_include, which reader and parser share. */
+ * An included text is parsed where its `include` stands, and only at the first `include` that names it. An
+ * include of a text that is being parsed is a cycle. The reader of files and the parser name texts by the
+ * same function, deck_source_include. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,12 +21,12 @@ struct parse {
     struct deck_tree *tree;
     struct findings *findings;
     size_t budget;
-    unsigned char *state; /* of each text: enum text_state */
+    unsigned char *state; /* of each text, an enum text_state */
 };
 
 static bool parse_text(struct parse *parse, int text);
 
-/* Appends one item to an array of the tree and gives it zeroed; NULL: no memory. */
+/* Appends one zeroed item to an array of the tree and returns the item. NULL: no memory. */
 static void *append_item(struct findings *f, void *array, size_t *n, size_t *cap, size_t size)
 {
     void *items;
@@ -53,7 +55,7 @@ static bool ends_statement(int kind)
     return kind == TOKEN_NEWLINE || kind == ';' || kind == TOKEN_END || kind == '}';
 }
 
-/* Past what is left of a statement that was reported. A block that opens on the way is skipped whole. */
+/* Moves past the rest of a statement that was reported. A block that begins in the rest is skipped whole. */
 static void skip_statement(struct deck_parser *p)
 {
     int open = 0;
@@ -89,7 +91,7 @@ static bool expect_token(struct deck_parser *p, int kind, const char *expected)
     return false;
 }
 
-/* The end of a statement must be here. */
+/* Checks that the statement ends here. */
 static void finish_statement(struct deck_parser *p)
 {
     if (ends_statement(current_token(p)->kind))
@@ -145,7 +147,7 @@ static void parse_let(struct deck_parser *p)
         finish_statement(p);
 }
 
-/* One -D: its let gets another expression. */
+/* Parses one -D: the let of this name gets the expression of the definition. */
 static void parse_define(struct deck_parser *p)
 {
     struct deck_place name = parser_place(p, current_token(p));
@@ -193,17 +195,17 @@ static bool parse_defines(struct parse *parse)
 
 /* --- blocks --- */
 
-/* Reads the values of an entry up to the end of the statement. */
+/* Parses the values of an entry up to the end of the statement. */
 static void parse_values(struct deck_parser *p, size_t entry)
 {
     struct deck_tree *tree = p->tree;
     bool after_comma = false;
     while (after_comma || !ends_statement(current_token(p)->kind)) {
-        /* A list goes on in the next line after a comma. */
+        /* After a comma a list may continue in the next line. */
         while (after_comma && current_token(p)->kind == TOKEN_NEWLINE)
             p->at++;
         if (current_token(p)->kind == TOKEN_WORD && (current_token(p) + 1)->kind == '=') {
-            /* The next entry: it is read as one, so that this is one mistake. */
+            /* The next entry begins here; its own parsing follows, so that this is one mistake. */
             report_expected(p,
                             tree->entries[entry].n == 0 ? "a value after '='" : "the end of the line or ';'");
             tree->entries[entry].bad |= tree->entries[entry].n == 0;
@@ -266,7 +268,7 @@ static void parse_entry(struct deck_parser *p, size_t block)
     parse_values(p, tree->n_entries - 1);
 }
 
-/* In a block, does a new block begin here? Then the closing brace was forgotten. */
+/* True inside a block at the begin of another block, because the closing brace was forgotten. */
 static bool block_begins(const struct deck_parser *p)
 {
     const struct token *t = current_token(p);
@@ -277,7 +279,7 @@ static bool block_begins(const struct deck_parser *p)
     return t->kind == '{';
 }
 
-/* From behind the opening brace to behind the closing one. */
+/* Parses the entries of a block, from after the opening brace to after the closing brace. */
 static void parse_body(struct deck_parser *p, size_t block)
 {
     struct deck_place word = p->tree->blocks[block].word;
@@ -303,7 +305,7 @@ static void parse_body(struct deck_parser *p, size_t block)
     }
 }
 
-/* `key = ...` outside any block. */
+/* Reports `key = ...` outside any block. */
 static void report_stray_entry(struct deck_parser *p)
 {
     struct deck_place key = parser_place(p, current_token(p));

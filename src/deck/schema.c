@@ -1,5 +1,5 @@
-/* The table, and the few functions that read it. A keyword is declared here once; reading, defaults, limits,
- * error texts and the check of the manual follow from its line. */
+/* The table of all keywords, and the functions that read the table. Each keyword is declared once, in one
+ * row. Reading, defaults, limits, error texts and the check of docs/deck.md use this row. */
 #include "schema.h"
 
 #include <math.h>
@@ -404,7 +404,7 @@ size_t schema_size(const struct deck_key *key)
     }
 }
 
-/* The default's text as one word for each value: `count` of them or none. */
+/* Sets a default of `count` words; the first choice, or false, where the table has no default. */
 static void set_default_words(const struct deck_key *key, void *at)
 {
     const char *word = key->initial;

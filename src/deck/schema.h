@@ -1,5 +1,5 @@
-/* The one table of a deck's blocks and keywords: type, dimension, default, limits, meaning, and where in the
- * config the value goes. docs/deck.md is checked against it. */
+/* The table of a deck's blocks and keywords: type, dimension, default, limits, meaning, and the place of the
+ * value in the config. A test checks docs/deck.md against the table. */
 #ifndef DM2_DECK_SCHEMA_H
 #define DM2_DECK_SCHEMA_H
 
@@ -16,7 +16,7 @@ enum block_kind {
     BLOCK_PHASE,
     BLOCK_REACTION,
     BLOCK_INTERACTION,
-    BLOCK_INTERFACE, /* has the keywords of interaction */
+    BLOCK_INTERFACE, /* with the keywords of `interaction` */
     BLOCK_BODY,
     BLOCK_VOID,
     BLOCK_FLAW,
@@ -29,11 +29,11 @@ enum block_kind {
 enum value_type {
     VALUE_REAL,      /* `count` doubles */
     VALUE_WHOLE,     /* one int64_t or uint64_t from 0 to 2^53 */
-    VALUE_CHOICE,    /* one word of `choices`, stored as an int: its index */
-    VALUE_FLAG,      /* `count` words of two choices, stored as bools: is it the second? */
+    VALUE_CHOICE,    /* one word of `choices`, stored as an int, the index of the word */
+    VALUE_FLAG,      /* `count` words of two choices, stored as bools: true for the second choice */
     VALUE_SHAPE,     /* rectangle | disc | polygon and lengths */
     VALUE_MATERIAL,  /* the name of a material */
-    VALUE_MATERIALS, /* `count` names of materials, stored as ints: their indices */
+    VALUE_MATERIALS, /* `count` names of materials, stored as ints, the indices of the materials */
     VALUE_NAME,      /* one word, stored as a name_text */
     VALUE_BODY,      /* the name of a body */
     VALUE_MIX,       /* names of materials, each with a fraction */
@@ -44,22 +44,23 @@ enum value_type {
 struct deck_key {
     const char *name;
     enum value_type type;
-    int count; /* values of VALUE_REAL and VALUE_FLAG */
+    int count; /* the number of values of the types with `count` */
     struct dimension dim;
-    double low, high;         /* limits of each value; infinite where there are none */
-    bool low_open, high_open; /* the limit itself is outside */
+    double low, high;         /* limits of each value; infinite: none */
+    bool low_open, high_open; /* the limit itself is not allowed */
     bool required;
     const char *choices; /* "a|b|c" */
-    const char *initial; /* the default as docs/deck.md says it: a value, or words where it is worked out or
-                          * absent; NULL: required */
-    size_t offset;       /* in the struct that the block fills; not for VALUE_SHAPE and below */
+    const char *initial; /* the default as docs/deck.md prints it: a value, or words where the default is
+                            computed or absent; NULL: the keyword is required */
+    size_t offset; /* in the struct that the block fills; unused for VALUE_MATERIAL, VALUE_MIX, VALUE_STEPS
+                      and VALUE_FORMATS */
     const char *meaning;
 };
 
 struct block_schema {
     const char *name;
-    const char *names; /* what stands between the word and the brace, for messages: "a name" */
-    bool single;       /* at most once in a deck */
+    const char *names; /* the names between the word and the brace, for messages: "a name" */
+    bool single;       /* a deck has at most one such block */
     bool required;
     const struct deck_key *keys;
     size_t n_keys;
@@ -67,26 +68,28 @@ struct block_schema {
 
 const struct block_schema *schema_block(enum block_kind kind);
 
-/* The kind of a block's word; BLOCK_COUNT: none. */
+/* The kind of the block with this word; BLOCK_COUNT: none. */
 enum block_kind schema_find_block(const char *word, size_t length);
 
-/* The index of a keyword; -1: none. */
+/* The index of a keyword in block->keys; -1: none. */
 int schema_find_key(const struct block_schema *block, const char *word, size_t length);
 
 /* The name of the first block that has this keyword; NULL: none. */
 const char *schema_block_of_key(const char *word, size_t length);
 
-/* The choice with this text: its index, -1: none. */
+/* The index of a word in "a|b|c"; -1: none. */
 int schema_find_choice(const char *choices, const char *word, size_t length);
 
-/* Bytes that a stored value takes. */
+/* The bytes of a stored value of type VALUE_REAL, VALUE_WHOLE, VALUE_CHOICE or VALUE_FLAG; 0 for other
+ * types. */
 size_t schema_size(const struct deck_key *key);
 
-/* Fills in what the table says as defaults; NaN for a VALUE_REAL whose default is none or worked out, -1 for
- * such a VALUE_WHOLE. `base` is the struct that the block fills. */
+/* Sets the defaults of the table in `base`, the struct that the block fills. A VALUE_REAL without a default,
+ * or with a computed one, is NaN, and such a VALUE_WHOLE is -1. Values of types other than VALUE_REAL,
+ * VALUE_WHOLE, VALUE_CHOICE and VALUE_FLAG are left as they are. */
 void schema_defaults(const struct block_schema *block, void *base);
 
-/* For suggestions. */
+/* The names of all blocks, of all keywords of a block, for suggestions. */
 struct word_list schema_block_names(void);
 struct word_list schema_key_names(const struct block_schema *block);
 

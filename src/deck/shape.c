@@ -1,5 +1,6 @@
-/* Rectangles are treated as polygons of four vertices wherever that costs nothing. Comparisons are plain: the
- * shapes that matter here (two bodies of a deck) either clearly meet or share a border exactly. */
+/* A rectangle is handled as a polygon of four vertices, except in shape_contains and in the overlap of two
+ * rectangles. Comparisons have no tolerance, because the shapes of a deck either clearly overlap or share a
+ * border exactly. */
 #include "dm2/deck/shape.h"
 
 #include <math.h>
@@ -42,7 +43,8 @@ bool shape_contains(const struct shape_config *s, double x, double y)
         const double *a = s->vertex[i], *b = s->vertex[(i + 1) % s->n_vertices];
         if ((a[1] <= y) == (b[1] <= y))
             continue;
-        /* Both ways along one edge must round alike: from its lower end. */
+        /* The crossing is computed from the lower end of the edge, so that both directions of one edge round
+         * alike. */
         const double *low = a[1] <= b[1] ? a : b, *high = a[1] <= b[1] ? b : a;
         if (x < low[0] + (y - low[1]) / (high[1] - low[1]) * (high[0] - low[0]))
             inside = !inside;
@@ -83,7 +85,7 @@ double shape_area(const struct shape_config *s)
     return fabs(twice) / 2;
 }
 
-/* Twice the signed area of a triangle: > 0 where c is left of a to b. */
+/* Twice the signed area of a triangle; > 0 where c is on the left of the line from a to b. */
 static double twice_signed_area(const double a[2], const double b[2], const double c[2])
 {
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
@@ -121,8 +123,8 @@ static bool disc_overlaps(const struct shape_config *disc, const struct shape_co
     return false;
 }
 
-/* Is a point of the inside of `self` in the other? The vertices may lie on a shared border: the centre of
- * each three in a row is asked, where it is inside. */
+/* True if a point inside `self`, whose outline is `o`, is in `other`. The points are the centres of three
+ * consecutive vertices, where these are inside `self`, because the vertices may lie on a shared border. */
 static bool share_inner_point(const struct outline *o, const struct shape_config *self,
                               const struct shape_config *other)
 {

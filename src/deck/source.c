@@ -1,9 +1,9 @@
-/* Reads a deck and the files that it includes, so that from there on a deck is plain texts that can travel.
+/* Reads a deck and the files that it includes; afterwards the deck is a list of texts that can be sent.
  *
- * Includes are found by a look at the tokens: the word `include` at the beginning of a statement outside
- * braces and a string behind it. Anything odd about them is left to deck_load, which reports it with its
- * place; only what cannot be read from disk is an error here. A file included twice is read once, so that a
- * cycle ends here too. */
+ * An include is found by its tokens: the word `include` at the beginning of a statement outside braces, and a
+ * string after it. deck_load reports an invalid include, with its place; deck_source_read reports only files
+ * that cannot be read, and too many files. A file that is included twice is read once, so that a cycle
+ * ends. */
 #include "source.h"
 
 #include <stdio.h>
@@ -50,7 +50,7 @@ char *deck_source_include(const char *includer, const char *path, size_t length)
     size_t folder = slash == NULL ? 0 : (size_t)(slash - includer) + 1;
     if (!path_is_acceptable(path, length))
         return NULL;
-    /* `./a` and `a` are one file. */
+    /* `./a` and `a` are the same file. */
     while (length > 2 && path[0] == '.' && path[1] == '/') {
         path += 2;
         length -= 2;
@@ -72,15 +72,16 @@ static bool has_text(const struct deck_source *source, const char *name)
     return false;
 }
 
-/* While a deck is read. */
+/* The state of reading a deck. */
 struct reading {
     struct deck_source *source;
-    size_t room, budget;                          /* bytes and tokens that it may still have */
-    bool (*may)(void *context, const char *name); /* NULL: everything */
+    size_t room, budget;                          /* bytes and tokens that the deck may still have */
+    bool (*may)(void *context, const char *name); /* NULL: every file may be read */
     void *context;
 };
 
-/* Takes over `name`. */
+/* Reads a file and appends its text to the source. The source owns `name` afterwards, also on failure. `by`
+ * begins the message of a failure: the place of the include. */
 static enum dm2_status add_file(struct reading *reading, char *name, const char *by, struct dm2_error *err)
 {
     struct deck_source *source = reading->source;
@@ -175,7 +176,7 @@ enum dm2_status deck_source_read_some(const char *path, bool (*may)(void *contex
     if (name != NULL)
         memcpy(name, path, length);
     enum dm2_status status = add_file(&reading, name, "", err);
-    /* The list grows as files include further ones. */
+    /* n_texts grows during the loop, because files include further files. */
     for (size_t i = 0; status == DM2_OK && i < out->n_texts; i++)
         status = read_includes(&reading, i, err);
     if (status != DM2_OK)

@@ -1,5 +1,5 @@
-/* Look-ups in the parts of a deck. Parsing appends the lets in the order of the texts; deck_tree_sort_lets
- * puts them in the order of their names, so that deck_tree_let is a binary search. */
+/* Look-ups in a parsed deck. The parser appends the lets in the order of the texts; deck_tree_sort_lets sorts
+ * them by name, so that deck_tree_let can search by bisection. */
 #include "tree.h"
 
 #include <stdlib.h>

@@ -1,10 +1,10 @@
-/* Every unit is a power of ten times the base unit, but for a few (eV, cal, atm, deg). The power of ten is
- * kept as an integer and goes into the decimal text of the number before it is converted: `4.602 km/s`
- * becomes strtod("4.602e-1"), the same double as `0.4602`, where a product with 0.1 could be one rounding
- * away.
+/* Every unit except eV, cal, atm and deg is a power of ten times the base unit. The power of ten is kept as
+ * an integer and added to the decimal exponent of the number before the conversion: `4.602 km/s` becomes
+ * strtod("4.602e-1"), the same double as `0.4602`. A product with 0.1 could be another double, because it
+ * would be rounded twice.
  *
- * strtod of the C locale is correctly rounded in every libc that this program meets, so that a deck gives the
- * same bits everywhere. */
+ * strtod in the C locale is correctly rounded in every libc that dm2 supports, so that a deck gives the same
+ * bits on every machine. */
 #include "units.h"
 
 #include <math.h>
@@ -19,7 +19,7 @@
 
 struct symbol {
     const char *name;
-    const char *prefixes; /* that may stand before it */
+    const char *prefixes; /* letters of the prefixes that the symbol can have */
     struct unit unit;
 };
 

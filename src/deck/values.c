@@ -1,6 +1,6 @@
-/* The values of one entry, by its type in the schema. A value that does not read leaves one finding, marks
- * its entry bad, and leaves NaN (a real) or the default (anything else), so that later checks stay silent
- * about it. */
+/* Reading of the values of one entry, by their type in the schema. A value that does not read gives one
+ * finding, marks its entry bad, and is NaN (a real) or the default (any other type), so that later checks
+ * report nothing about the value. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,7 +10,7 @@
 #include "bind.h"
 #include "expr.h"
 
-/* Whole numbers up to here are exact as doubles. */
+/* Every whole number up to 2^53 is exact as a double. */
 #define WHOLE_MAX 9007199254740992.0
 
 const char *number_text(double value, struct number_text *out)
@@ -24,7 +24,7 @@ static const struct deck_node *node_at(const struct deck_binding *b, const struc
     return &b->tree->nodes[b->tree->values[entry->first + i]];
 }
 
-/* The text of a value that should be a word, without quotes. */
+/* The place of a value that should be a word, without quotes. */
 static struct deck_place word_at(const struct deck_binding *b, const struct deck_entry *entry, size_t i)
 {
     const struct deck_node *node = node_at(b, entry, i);
@@ -79,7 +79,7 @@ static bool check_within(struct deck_binding *b, const struct deck_key *key, str
     return false;
 }
 
-/* One number of the keyword's dimension and within its limits. */
+/* Reads one number of the keyword's dimension and within its limits. */
 static bool read_real(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
                       size_t i, double *out)
 {
@@ -124,7 +124,7 @@ static const char *choice_name(const void *context, size_t i)
     return ((const struct choices *)context)->words[i];
 }
 
-/* One word of key->choices: its index; -1: it is none, reported. */
+/* The index of a word in key->choices; -1: none, a finding was added. */
 static int read_choice(struct deck_binding *b, const struct deck_key *key, struct deck_place word)
 {
     const char *bytes = place_bytes(b->tree->source, word);

@@ -1,13 +1,13 @@
 /* The calibration file.
  *
- * A table `quantity,servers,value,unit` with a row per number, so that a person reads it without a manual and
- * a spreadsheet opens it. The first row is the format's number. Constants have an empty `servers`; m, b and
- * residual come once for each number of servers that was measured, and size, k_alone, k_shared once for each
- * size.
+ * The file is a table `quantity,servers,value,unit` with one number in each row, which a person and a
+ * spreadsheet can read. The first row is the number of the format. `servers` is empty in the rows of
+ * constants. m, b and residual occur once for each measured number of servers; size, k_alone and k_shared
+ * occur once for each size.
  *
- * The reader takes nothing for granted: it walks over the rows once, notes what it has seen, and refuses what
- * is unknown, repeated, missing, or in another unit. A constant measured elsewhere would be a prediction that
- * looks right and is not; hence host and version. */
+ * The reader goes through the rows once and records which quantities were there. Unknown, repeated and
+ * missing quantities and other units are refused. A file of another host or version is refused as well,
+ * because its constants would give wrong predictions without a sign of it. */
 #include "dm2/performance/calibration.h"
 
 #include <math.h>
@@ -23,7 +23,7 @@ enum { COLUMNS = 4, SCALARS = 9 };
 
 static const char *const HEADINGS[COLUMNS] = {"quantity", "servers", "value", "unit"};
 
-/* The constants without a number of servers: name, unit, and where they are. */
+/* The constants that do not depend on the number of servers: name, unit, address of the value. */
 struct scalar {
     const char *name, *unit;
     double *value;
@@ -128,7 +128,8 @@ struct reader {
     size_t row;
     struct calibration *out;
     struct scalar scalars[SCALARS];
-    double sizes, networks; /* how many there are: a file that was cut short is not a smaller one */
+    double sizes,
+        networks; /* the numbers of sizes and of networks, by which a truncated file is recognised */
     bool seen_format, seen_host, seen_version, seen_scalar[SCALARS];
     struct dm2_error *err;
 };
@@ -188,7 +189,7 @@ static enum dm2_status take_scalar(struct reader *r, int which)
     return take_number(r, r->scalars[which].unit, r->scalars[which].value);
 }
 
-/* size, k_alone or k_shared; they are written in this order. */
+/* Takes a row size, k_alone or k_shared; the rows must be in this order. */
 static enum dm2_status take_size(struct reader *r, const char *quantity)
 {
     struct perf *p = &r->out->perf;
@@ -205,8 +206,8 @@ static enum dm2_status take_size(struct reader *r, const char *quantity)
     return isnan(*value) ? take_number(r, "s", value) : fail_row(r, "is there twice");
 }
 
-/* The residual of a number of servers that has its row already: they are written in the order m, b, residual.
- */
+/* Takes a residual. The row of network with its number of servers must exist, because the rows are in the
+ * order m, b, residual. */
 static enum dm2_status take_residual(struct reader *r, int servers)
 {
     struct perf *p = &r->out->perf;
@@ -216,7 +217,8 @@ static enum dm2_status take_residual(struct reader *r, int servers)
     return isnan(*residual) ? take_number(r, "s", residual) : fail_row(r, "is there twice");
 }
 
-/* m, b or residual. Rows stand in the order of rising servers, so a row is new or the last one. */
+/* Takes a row m, b or residual. The numbers of servers must rise, so that the row is new or is the last
+ * one. */
 static enum dm2_status take_network(struct reader *r, const char *quantity, const char *servers_text)
 {
     struct perf *p = &r->out->perf;
@@ -327,7 +329,7 @@ enum dm2_status calibration_parse(const char *name, const char *text, size_t len
     for (size_t i = 0; i < PERF_NETWORK_MAX; i++)
         out->residual[i] = NAN;
     enum dm2_status status = csv_parse(name, text, length, &csv, err);
-    if (status == DM2_PROTOCOL) { /* an input file here, not a peer's */
+    if (status == DM2_PROTOCOL) { /* csv_parse reports errors of a peer's data; this is an input file */
         status = DM2_DECK;
         if (err != NULL)
             err->status = DM2_DECK;

@@ -1,13 +1,13 @@
-/* Section 6 of the paper.
+/* The equations of section 6 of the paper.
  *
- * The model has three ideas. A domain of n elements with spacing d_x, d_y and aspect ratio s = w/h has c
- * cells of equal content n/c, and computing costs k n^2/c (eqs. 5-12). A server sends the elements in the
- * cells along its interfaces, some number of rows (p_x elements each) and columns (p_y) of cells (eqs. 14,
- * 15). Sending x bytes to each of N servers and back costs m_N x + b_N (eqs. 16, 17); each step pays it once
- * for the boundary and once more b_N for migration (eqs. 18-20).
+ * The model has three parts. A domain of n elements with spacing d_x, d_y and aspect ratio s = w/h has c
+ * cells with n/c elements each, and computing costs k n^2/c (eqs. 5-12). A server sends the elements of the
+ * cells along its interfaces: some rows (p_x elements each) and some columns (p_y each) of cells (eqs. 14,
+ * 15). Sending x bytes to each of N servers and back costs m_N x + b_N (eqs. 16, 17). A step costs this once
+ * for the boundary, and another b_N for the migration (eqs. 18-20).
  *
- * Why min() in eqs. (19) and (20): it chooses between the two ways to cut, and with L_x = L_y, so that
- * p_x/p_y = s, it does so at the aspect ratios 2 and 4 that section 6.2 names. */
+ * The min() in eqs. (19) and (20) chooses between two ways to cut the domain. With L_x = L_y, so that p_x/p_y
+ * = s, the choice changes at the aspect ratios 2 and 4 of section 6.2. */
 #include "dm2/performance/equations.h"
 
 #include <assert.h>
@@ -140,7 +140,7 @@ bool perf_network(const struct perf *p, int servers, double *m, double *b)
         return true;
     if (servers < row[at].servers) { /* below the first row */
         *m *= ratio;
-    } else if (at + 1 == p->n_network) { /* above the last */
+    } else if (at + 1 == p->n_network) { /* above the last row */
         *m *= ratio;
         *b *= ratio;
     } else {

@@ -1,4 +1,4 @@
-/* Predicted beside measured, and the difference in parts. */
+/* Comparison of the predicted with the measured time of a run, and the causes of the difference. */
 #include "dm2/performance/explain.h"
 
 #include <math.h>
@@ -10,7 +10,7 @@ const char *explain_cause_name(enum explain_cause cause)
     return names[cause];
 }
 
-/* The part with the difference's own sign that is largest. */
+/* The largest part that has the sign of the difference. */
 static enum explain_cause find_largest(const struct explanation *e)
 {
     double sign = e->measured < e->predicted ? -1 : 1;

@@ -1,7 +1,7 @@
 /* Least squares.
  *
- * Sums are taken about the means, so that sizes of 1e6 bytes beside times of 1e-3 s lose no digits, and
- * residuals are summed from the points themselves rather than from differences of large sums. */
+ * Sums are taken about the means, so that sizes of 1e6 bytes and times of 1e-3 s lose no digits. Residuals
+ * are summed over the points, because a difference of large sums would lose digits. */
 #include "dm2/performance/fit.h"
 
 #include <math.h>
@@ -19,8 +19,8 @@ static enum dm2_status check_points(const double *x, const double *y, size_t n, 
     return DM2_OK;
 }
 
-/* Fills what depends on the residuals of a line with `spent` fitted numbers; yy is the sum of squares that r2
- * is measured against, sxx and x_mean those of its slope. */
+/* Sets the fields that depend on the residuals of a line with `spent` fitted numbers. `yy` is the sum of
+ * squares for r2; `sxx` and `x_mean` are those of the slope. */
 static enum dm2_status finish_fit(const double *x, const double *y, size_t n, size_t spent, double sxx,
                                   double x_mean, double yy, struct fit *out, struct dm2_error *err)
 {

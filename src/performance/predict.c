@@ -1,15 +1,15 @@
 /* The general form of eqs. (18)-(20).
  *
  *     x      = g exchanged + migrant_bytes migrants exchanged        bytes of one server, one way
- *     t_comm = max(m_N x, client's bytes / client_rate) + 2 b_N      halved without the client in between
+ *     t_comm = max(m_N x, client's bytes / client_rate) + 2 b_N      halved for direct exchange
  *     t_dist = t_comp + max(0, t_comm - overlap t_comp)
  *
- * for the average server, as in the paper, or for each server with the largest t_dist counting. The paper's
- * own counts are edges of cells: eq. (19) with s < 2, (p_x + p_y)/2, is one full column and one full row of
- * cells, both sides of each, divided by four servers. So a rectangle exchanges one cell for each edge of a
- * cell that it shares with another one. What the run really mirrors has the cells beyond the corners as well:
- * `mirrored` counts those. On a grid that the rectangles cover without gaps both follow from a rectangle's
- * place alone, so no cell has to be visited. */
+ * The times are those of the average server, as in the paper, or of the server with the largest t_dist. The
+ * counts of the paper are edges of cells: eq. (19) with s < 2, (p_x + p_y)/2, is one full column and one full
+ * row of cells, both sides of each, divided by four servers. Therefore a rectangle exchanges one cell for
+ * each edge of a cell that it shares with another rectangle. In a run a rectangle mirrors the cells beyond
+ * its corners as well; `mirrored` counts these. Because the rectangles cover the grid without gaps, both
+ * counts follow from the position of the rectangle, and no cell is visited. */
 #include "dm2/performance/predict.h"
 
 #include <math.h>
@@ -70,11 +70,11 @@ bool predict_grid(const struct perf *p, double n, double s, int *cx, int *cy)
     return true;
 }
 
-/* One direction of a rectangle: its cells from..to of `cells`. */
+/* A rectangle in one direction: cells from..to of `cells`. */
 struct extent {
-    double length;   /* cells along */
-    double ends;     /* of its two ends, how many meet other servers: 0, 1, 2 */
-    double mirrored; /* cells along with those beyond its ends */
+    double length;   /* number of cells */
+    double ends;     /* number of ends that meet other servers: 0, 1, 2 */
+    double mirrored; /* cells along, with those beyond the ends */
 };
 
 static struct extent extent_of(int from, int to, int cells, bool periodic)
@@ -104,19 +104,20 @@ struct predict_load predict_rect_load(const struct cell_rect *r, int cx, int cy,
     };
 }
 
-/* The average server's load, with equal shares: the paper's perfect balance. */
+/* The load of the average server with equal shares, which is the perfect balance of the paper. */
 static struct predict_load mean_load(const struct predict_load *loads, int servers)
 {
     struct predict_load mean = {.share = 1.0 / servers};
     for (int k = 0; k < servers; k++) {
         mean.exchanged += loads[k].exchanged;
-        mean.inner += loads[k].inner * loads[k].share; /* by elements */
+        mean.inner += loads[k].inner * loads[k].share; /* weighted by elements */
     }
     mean.exchanged /= servers;
     return mean;
 }
 
-/* Seconds that the client's link is busy for a step: every server's bytes come in and go out again. */
+/* The time in s that the client's link is busy in a step, because the bytes of every server come in and go
+ * out. */
 static double client_time(const struct perf *p, double exchanged, int servers,
                           const struct predict_options *o)
 {
@@ -184,7 +185,7 @@ static enum dm2_status predict_general(const struct perf *p, int cx, int cy, con
     if (rects == NULL || loads == NULL) {
         status = dm2_fail(err, DM2_MEMORY, "no memory to predict for %d servers", out->servers);
     } else {
-        /* The cells divide the domain evenly, so that their real edges are these, not L_x and L_y. */
+        /* The cells divide the domain evenly, so that their edges are lx and ly, not L_x and L_y. */
         double lx = perf_width(p, out->n, out->s) / cx, ly = perf_height(p, out->n, out->s) / cy;
         double per_cell = out->n / ((double)cx * cy);
         bisect_grid(cx, cy, lx, ly, out->servers, NULL, rects);
@@ -197,8 +198,8 @@ static enum dm2_status predict_general(const struct perf *p, int cx, int cy, con
     return status;
 }
 
-/* No option asks for what eqs. (18)-(20) leave out; half the communication is the paper's own (section 7.3).
- */
+/* True if no option needs the general form. `peer` does not, because half the communication is part of the
+ * paper (section 7.3). */
 static bool is_plain(const struct predict_options *o)
 {
     return !o->general && !o->mirrored && !o->slowest && !o->overlap_inner && o->overlap == 0 &&
@@ -245,7 +246,8 @@ enum dm2_status predict(const struct perf *p, double n, double s, int servers,
     return finish_prediction(out, err);
 }
 
-/* Do `servers` beat one at this n? False where the grid is too small for them, or too large to be one. */
+/* Sets *beats if `servers` are faster than one at this n; false where the grid has too few cells for them or
+ * too many for a grid. */
 static enum dm2_status beats_one(const struct perf *p, double n, double s, int servers,
                                  const struct predict_options *o, bool *beats, struct dm2_error *err)
 {

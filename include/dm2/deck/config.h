@@ -1,10 +1,10 @@
-/* What a deck says, in base units, checked but not yet worked out.
+/* The config: what a deck says, in base units, checked; nothing is derived yet.
  *
- * `deck_load` (dm2/deck/deck.h) fills a struct config; `model_build` (dm2/engine/model.h) turns it into the
- * tables that the engine computes with. Base units: cm, g, us, K; so velocity cm/us, stress Mbar,
- * energy g cm2/us2 (1e5 J). The model is two-dimensional with a depth of h = 1 cm.
+ * deck_load (dm2/deck/deck.h) fills a struct config; model_build (dm2/engine/model.h) derives the tables from
+ * which the engine computes. Base units: cm, g, us, K; so velocity cm/us, stress Mbar, energy g cm2/us2 (1e5
+ * J). The model is two-dimensional with a depth of h = 1 cm.
  *
- * A double that the deck did not set is NaN where the comment says "NaN: ...". */
+ * A double that the deck did not set is NaN where its comment says "NaN: ...". */
 #ifndef DM2_DECK_CONFIG_H
 #define DM2_DECK_CONFIG_H
 
@@ -46,23 +46,24 @@ struct material_config {
     double kappa;     /* conductivity, g cm/us3/K; 0 by default */
 };
 
-/* phase MATERIAL NAME { ... }: a further phase of a material, and the line at which it forms. Its line is
- * P = p_line + dp_dt (T - t_line), or T = t_line + dt_dp (P - p_line); the phase lies above it. */
+/* phase MATERIAL NAME { ... }: a further phase of a material, and the line at which the phase forms. The line
+ * is P = p_line + dp_dt (T - t_line), or T = t_line + dt_dp (P - p_line); the phase is stable above its
+ * line. */
 struct phase_config {
     name_text name;
     int material;
-    name_text from_name; /* the phase that it forms from; "": the material as its own block gives it */
-    int from;            /* the same: index of a phase before this one, -1: the material */
+    name_text from_name; /* the phase from which this one forms; "": the material as its own block gives it */
+    int from;            /* the index of the phase `from_name`, which is before this one; -1: the material */
     enum transition_kind transition;
-    bool reversible;     /* default yes */
-    double p_line;       /* Mbar, default 0 */
-    double t_line;       /* K */
-    double dp_dt, dt_dp; /* Mbar/K, K/Mbar, default 0 */
-    double hysteresis_p; /* the way back is so much below the line, Mbar, default 0 */
-    double hysteresis_t; /* or K; NaN: 1.1 times latent heat over heat capacity */
-    double latent;       /* heat taken up at t_line, cm2/us2 */
-    struct material_config
-        state; /* its constants; where the deck gives none, those of the phase it forms from */
+    bool reversible;              /* default yes */
+    double p_line;                /* Mbar, default 0 */
+    double t_line;                /* K */
+    double dp_dt, dt_dp;          /* Mbar/K, K/Mbar, default 0 */
+    double hysteresis_p;          /* the phase goes back at this much below the line, Mbar, default 0 */
+    double hysteresis_t;          /* the same in K; NaN: 1.1 times latent heat over heat capacity */
+    double latent;                /* heat taken up at t_line, cm2/us2 */
+    struct material_config state; /* constants of the phase; those that the deck does not give are those of
+                                     the phase from which this one forms */
 };
 
 /* reaction NAME { ... }: A + B -> product in contacting elements. */
@@ -70,14 +71,14 @@ struct reaction_config {
     name_text name;
     int reactant[2], product; /* materials; -1: unknown */
     enum reaction_kind kind;
-    double masses[2]; /* that react with each other, in any unit; NaN: non-stoichiometric */
+    double masses[2]; /* masses that react with each other, in any unit; NaN: non-stoichiometric */
     double k0;        /* rate per facet, g/cm2/us */
     double ea;        /* activation energy, g cm2/us2/mol */
-    double heat;      /* set free per mass of product, cm2/us2 */
+    double heat;      /* heat set free per mass of product, cm2/us2 */
     double threshold; /* an element with less of its reactants than this becomes the product material */
 };
 
-/* What a pair of elements does to each other; resolved for two materials and a relation. */
+/* The interaction of a pair of elements, resolved for two materials and a relation. */
 struct interaction_config {
     enum potential_kind potential;     /* default Morse */
     enum calibration_kind calibration; /* default uniaxial */
@@ -85,19 +86,19 @@ struct interaction_config {
     double k;                          /* stiffness at r0, Mbar cm; NaN: from the materials' Hugoniot data */
     double shape;                      /* alpha r0 of the Morse potential; NaN: from S */
     double epsilon, sigma;             /* Lennard-Jones, energy and length; NaN: from k and r0 */
-    double cutoff;                     /* of scope `all`, cm; NaN: r_c */
+    double cutoff;                     /* range of scope `all`, cm; NaN: r_c */
     double zeta;                       /* fraction of critical central damping, default 0 */
-    double a_p, a_t;                   /* its change with P (1/Mbar) and T (1/K), default 0 */
+    double a_p, a_t;                   /* change of the damping with P (1/Mbar) and T (1/K), default 0 */
     double ct_ratio;                   /* tangential viscosity c_t / (2 sqrt(k m_eff)), default 0 */
     double kt_ratio;                   /* kt / kn; NaN: from G */
     double mu;                         /* dry friction, default 0 */
-    double yield, tensile;             /* override of the weaker material's Y and Yt0; NaN: none */
-    double link_form, link_break;      /* in r0; defaults 0 (no welding) and 1.05 */
-    bool linked;        /* do lattice neighbours start linked; default yes in one grain, else no */
-    double conductance; /* factor on kappa_ij, default 1 */
+    double yield, tensile; /* of the pair, in place of the weaker material's Y and Yt0; NaN: not given */
+    double link_form, link_break; /* in r0; defaults 0 (no welding) and 1.05 */
+    bool linked;                  /* lattice neighbours start linked; default yes in one grain, else no */
+    double conductance;           /* factor on kappa_ij, default 1 */
 };
 
-/* How two elements stand to each other: which interface their pair is. */
+/* The relation of two elements: which interface lies between them. */
 enum relation { RELATION_SAME_GRAIN, RELATION_OTHER_GRAIN, RELATION_OTHER_BODY, RELATION_COUNT };
 
 struct shape_config {
@@ -118,42 +119,41 @@ struct body_config {
     double grain_size;             /* mean diameter of grains, cm; NaN for a crystal */
     double grain_spread;           /* of a powder: diameters are uniform in grain_size (1 +- spread) */
     double solid_fraction;         /* of a powder: area of the grains in that of the shape; NaN otherwise */
-    char *packing_place;           /* where the deck has that, for config_fail; NULL: no powder, or unknown */
-    double missing_links;          /* fraction of the body's own first links that are not there */
-    double spacing;                /* d, cm */
-    double row_spacing;            /* cm; default sqrt(3)/2 d, or d on the square lattice */
-    double origin[2];              /* where one site lies, cm; rows are counted from there */
-    double angle;                  /* of the rows against x, radians, default 0 */
-    double radius;                 /* R of the elements, cm; default d/2 */
-    size_t n_mix;                  /* materials and their volume fractions; the fractions sum to 1 */
+    char *packing_place;  /* place of `solid_fraction` in the deck, for config_fail; NULL: no powder, or
+                             unknown */
+    double missing_links; /* fraction of the body's own initial links that are missing */
+    double spacing;       /* d, cm */
+    double row_spacing;   /* cm; default sqrt(3)/2 d, or d on the square lattice */
+    double origin[2];     /* the position of one lattice site, cm; rows are counted from there */
+    double angle;         /* angle between the rows and the x axis, radians, default 0 */
+    double radius;        /* R of the elements, cm; default d/2 */
+    size_t n_mix;         /* materials and their volume fractions; the fractions sum to 1 */
     int mix_material[MIX_MAX];
     double mix_fraction[MIX_MAX];
-    uint64_t seed; /* of all that is random in the body */
+    uint64_t seed; /* seed of everything random in the body */
     enum motion_kind
-        motion;         /* free, fixed in its place, or driven: `velocity` for ever, whatever the forces */
+        motion;         /* free, fixed, or driven: moves with `velocity` at all times, whatever the forces */
     double velocity[2]; /* cm/us */
-    double jitter;      /* each velocity component is uniform in +-jitter about it, cm/us; default 0 */
+    double jitter; /* each velocity component is uniform in +-jitter about `velocity`, cm/us; default 0 */
     double temperature; /* K, default 300 */
 };
 
-/* void NAME { ... }: elements of the body, or of any body, whose centre would lie in the shape are left out.
- */
+/* void NAME { ... }: no element of the body, or of any body, has its centre in the shape. */
 struct void_config {
     name_text name;
     struct shape_config shape;
     int body; /* -1: any */
 };
 
-/* flaw NAME { ... }: a line across which there are no first links, within the body or within and between any.
- */
+/* flaw NAME { ... }: no initial link crosses the line: no link within the body, or no link at all. */
 struct flaw_config {
     name_text name;
     double line[4]; /* x0 y0 x1 y1, cm */
     int body;       /* -1: any */
 };
 
-/* probe NAME { region = x0 y0 x1 y1 }: the elements that start there; their mean position and velocity
- * are columns of history.csv. */
+/* probe NAME { region = x0 y0 x1 y1 }: the elements that start in the region. Their mean position and
+ * velocity are columns of history.csv. */
 struct probe_config {
     name_text name;
     double box[4];
@@ -172,8 +172,8 @@ struct profile_config {
 
 struct output_config {
     int64_t history_every;    /* steps between rows of history.csv, default 1/200 of the run, at least 1 */
-    int64_t snapshot_every;   /* 0: none by interval */
-    int64_t checkpoint_every; /* steps between checkpoints; 0: none by interval */
+    int64_t snapshot_every;   /* 0: no snapshots by interval */
+    int64_t checkpoint_every; /* steps between checkpoints; 0: no checkpoints by interval */
     size_t n_snapshot_at;
     int64_t *snapshot_at; /* further steps, ascending, without repeats */
     bool vtp, xyz;        /* formats; default vtp */
@@ -185,10 +185,10 @@ struct config {
     bool periodic[2];
     double r_c, delta_r; /* R_c and the margin dR of the lists, cm */
     enum search_kind search;
-    int64_t rebuild_every; /* 0: when dumax says so; K: also every K steps */
+    int64_t rebuild_every; /* 0: lists are rebuilt when the displacements demand it; K: also every K steps */
     enum balance_kind balance;
     double dt;      /* us */
-    char *dt_place; /* where the deck has it, for config_fail; NULL: unknown */
+    char *dt_place; /* place of `dt` in the deck, for config_fail; NULL: unknown */
     int64_t steps;
     double gravity[2]; /* body acceleration, cm/us2 */
     size_t n_materials, n_phases, n_reactions, n_bodies, n_probes, n_profiles, n_voids, n_flaws;
@@ -201,16 +201,16 @@ struct config {
     struct void_config *voids;
     struct flaw_config *flaws;
     struct output_config output;
-    struct interaction_rule *rules; /* read with config_interaction */
+    struct interaction_rule *rules; /* rules of interactions, resolved by config_interaction */
     size_t n_rules;
 };
 
-/* The interaction of materials a and b (indices; the order does not matter) standing in `relation`:
- * the defaults above, then each matching rule from the least to the most specific:
- * `interaction {}`, `interface grain|body {}`, `interaction A B {}`, `interface grain|body A B {}`. */
+/* The interaction of materials a and b (indices in any order) in `relation`: the defaults above, overridden
+ * by each matching rule from the least to the most specific: `interaction {}`, `interface grain|body {}`,
+ * `interaction A B {}`, `interface grain|body A B {}`. */
 struct interaction_config config_interaction(const struct config *c, int a, int b, enum relation relation);
 
-/* How many kinds of elements there are: material and phase together. */
+/* The number of kinds of elements. A kind is a material with a phase. */
 static inline size_t config_kinds(const struct config *c)
 {
     return c->n_materials + c->n_phases;
@@ -219,18 +219,19 @@ static inline size_t config_kinds(const struct config *c)
 /* The contact distance of the two largest elements, cm; 0 without a body whose radius is known. */
 double config_contact_distance(const struct config *c);
 
-/* Name of a kind of element: its material, and behind a slash its phase where that is not the first. */
+/* The name of a kind of element: the material; for a further phase the material, a slash and the phase.
+ * Returns `out->text`. */
 struct kind_name {
     char text[2 * NAME_MAX_LENGTH + 2];
 };
 const char *config_kind_name(const struct config *c, size_t kind, struct kind_name *out);
 
 /* dm2_fail at a place of the deck: the text is "file:line:column: error: message", the line, and a caret
- * below it; the message alone where the place is NULL. */
+ * below the line. A place of NULL gives the message alone. Returns `status`. */
 enum dm2_status config_fail(const char *place, struct dm2_error *err, enum dm2_status status,
                             const char *format, ...) __attribute__((format(printf, 4, 5)));
 
-/* Frees what *c owns and empties it. */
+/* Frees everything that *c owns and sets *c to zeros. */
 void config_free(struct config *c);
 
 #endif

@@ -1,5 +1,5 @@
-/* Reading a deck: the input file that client and servers share (paper, section 5.1). docs/deck.md has
- * the language and every keyword. */
+/* Reading of a deck, the input file that client and servers share (paper, section 5.1). docs/deck.md
+ * describes the language and every keyword. */
 #ifndef DM2_DECK_DECK_H
 #define DM2_DECK_DECK_H
 
@@ -10,43 +10,45 @@
 #include "dm2/base/status.h"
 #include "dm2/deck/config.h"
 
-/* One text of a deck. The main file is first; the files it includes follow in the order of their first
- * inclusion. `name` is what messages call it. */
+/* One text of a deck. The main file is first; the included files follow in the order of their first
+ * inclusion. `name` is the name in messages. */
 struct deck_text {
     char *name;
-    char *text; /* NUL-terminated; a NUL byte inside the file is an error when it is read */
+    char *text; /* NUL-terminated; a NUL byte in the file itself is an error of the deck */
     size_t length;
 };
 
-/* A deck as it travels: every text it needs, and the command line's changes to it. */
+/* A deck as client and servers exchange it: all texts, and the options of the command line that change the
+ * deck. */
 struct deck_source {
     struct deck_text *texts;
     size_t n_texts;
     char **defines; /* "name=value", from -D */
     size_t n_defines;
-    int64_t steps; /* from --steps; -1: as the deck says */
+    int64_t steps; /* from --steps; -1: `steps` of the deck holds */
 };
 
-/* Reads `path` and whatever it includes from disk. On failure *err says which file and why and *out is
- * empty. Free with deck_source_free. DM2_IO, DM2_DECK, DM2_MEMORY. */
+/* Reads `path` and the files that it includes from disk. *out is freed by deck_source_free; on failure *out
+ * is empty and *err names the file and the reason. DM2_IO, DM2_DECK, DM2_MEMORY. */
 enum dm2_status deck_source_read(const char *path, struct deck_source *out, struct dm2_error *err);
-/* The same with a say in what is included: a file for which `may` is false (its name is as it would be
- * opened) is not opened, and the deck not read, DM2_IO. */
+/* The same, but an included file is opened only if `may` is true for its name as it would be opened. DM2_IO
+ * where `may` is false. */
 enum dm2_status deck_source_read_some(const char *path, bool (*may)(void *context, const char *name),
                                       void *context, struct deck_source *out, struct dm2_error *err);
 void deck_source_free(struct deck_source *source);
 
-/* Every finding in a deck. The report is the finished text: per finding `file:line:column: error: ...` or
- * `warning: ...`, the line, and a caret; at most 20 errors, then "too many errors". */
+/* All findings in a deck as one text: for each finding `file:line:column: error: ...` or `warning: ...`, the
+ * line, and a caret; at most 20 errors, then "too many errors". */
 struct deck_report {
     const char *text; /* NUL-terminated, never NULL after deck_load */
-    char *owned;      /* the same where deck_report_free frees the text; NULL: a constant */
+    char *owned;      /* the same text where deck_report_free frees it; NULL: a constant */
     int n_errors, n_warnings;
 };
 void deck_report_free(struct deck_report *report);
 
-/* Parses, evaluates and validates. On DM2_OK *out is complete (config_free it) and the report holds at most
- * warnings; on DM2_DECK the report says why and *out is empty. Touches no file. */
+/* Parses, evaluates and checks a deck, without access to files. DM2_OK: *out is complete, freed by
+ * config_free, and the report has at most warnings. DM2_DECK: the report has the errors and *out is empty.
+ * DM2_MEMORY: *out is empty. deck_report_free frees the report in all cases. */
 enum dm2_status deck_load(const struct deck_source *source, struct config *out, struct deck_report *report);
 
 #endif
