@@ -177,7 +177,7 @@ static void check_pair(const struct deck_binding *b, int m, int n, enum relation
 }
 
 struct usage {
-    unsigned char together[MATERIAL_MAX][MATERIAL_MAX]; /* do two materials occur in one body */
+    unsigned char together[MATERIAL_MAX][MATERIAL_MAX]; /* two materials occur together in a body */
     size_t bodies[MATERIAL_MAX];                        /* the number of bodies that have the material */
     size_t last[MATERIAL_MAX];                          /* the last of these bodies */
 };

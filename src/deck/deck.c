@@ -33,7 +33,8 @@ static bool check_limits(const struct deck_source *source, struct findings *find
     return findings->n_errors == 0;
 }
 
-/* Evaluates the lets that no value used, for their errors, and warns of them in a deck without errors. */
+/* Evaluates all lets, for the errors of those that no value used, and warns of each unused let in a deck
+ * without errors. */
 static void check_lets(const struct deck_tree *tree, struct findings *findings)
 {
     struct quantity ignored;

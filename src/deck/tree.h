@@ -68,7 +68,8 @@ struct deck_tree {
     size_t n_nodes, n_lets, n_values, n_names, n_entries, n_blocks;
     size_t cap_nodes, cap_lets, cap_values, cap_names, cap_entries, cap_blocks;
     struct deck_place end; /* the end of the main text: the place of findings about missing blocks */
-    bool incomplete;       /* an included text is missing, which may have what the deck seems to lack */
+    bool incomplete; /* an included text is missing; blocks and names that are not found may be defined in
+                        that text */
 };
 
 void deck_tree_free(struct deck_tree *tree);

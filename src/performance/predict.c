@@ -246,8 +246,8 @@ enum dm2_status predict(const struct perf *p, double n, double s, int servers,
     return finish_prediction(out, err);
 }
 
-/* Sets *beats if `servers` are faster than one at this n; false where the grid has too few cells for them or
- * too many for a grid. */
+/* Sets *beats if `servers` are faster than one server at this n; false where the grid has fewer cells than
+ * servers or too many cells. */
 static enum dm2_status beats_one(const struct perf *p, double n, double s, int servers,
                                  const struct predict_options *o, bool *beats, struct dm2_error *err)
 {

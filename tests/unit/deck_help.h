@@ -1,4 +1,4 @@
-/* For tests of the deck: a source from texts in memory, loaded. */
+/* Helpers for tests of the deck: loading a deck from a text in memory or from a file. */
 #ifndef DM2_TESTS_DECK_HELP_H
 #define DM2_TESTS_DECK_HELP_H
 
@@ -13,8 +13,8 @@ struct loaded {
     struct deck_report report;
 };
 
-/* Goes to the source tree, where docs, input and tests/decks are: DM2_SRC, or else where the test was
- * started. */
+/* Changes to the source tree, in which docs, input and tests/decks are: DM2_SRC, or the working directory
+ * where DM2_SRC is not set. */
 static inline void enter_source_tree(void)
 {
     const char *tree = getenv("DM2_SRC");
@@ -22,7 +22,8 @@ static inline void enter_source_tree(void)
         SKIP("there is no folder DM2_SRC");
 }
 
-/* Loads one text called "deck" with the given -D (NULL-terminated list, or NULL) and --steps. */
+/* Loads one text named "deck" with the given -D definitions (a list that ends in NULL, or NULL) and
+ * --steps. */
 static inline struct loaded load_text(const char *text, const char *const *defines, int64_t steps)
 {
     struct loaded out;
@@ -34,7 +35,7 @@ static inline struct loaded load_text(const char *text, const char *const *defin
     return out;
 }
 
-/* Loads a file and what it includes; a file that cannot be read ends the test. */
+/* Loads a file and the files that it includes. A file that cannot be read ends the test. */
 static inline struct loaded load_path(const char *path, const char *const *defines, int64_t steps)
 {
     struct loaded out;
@@ -49,7 +50,7 @@ static inline struct loaded load_path(const char *path, const char *const *defin
         source.n_defines++;
     source.steps = steps;
     out.status = deck_load(&source, &out.config, &out.report);
-    source.defines = NULL; /* the caller's */
+    source.defines = NULL; /* owned by the caller */
     source.n_defines = 0;
     deck_source_free(&source);
     return out;

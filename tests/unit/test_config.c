@@ -1,4 +1,4 @@
-/* Which interaction holds for a pair: defaults, and the more special rule before the more general one. */
+/* Resolution of interactions: the defaults, and a specific rule before a general one. */
 #include "check.h"
 #include "deck_help.h"
 
@@ -37,7 +37,7 @@ TEST(defaults)
 
 TEST(special_before_general)
 {
-    /* The order in the deck does not matter. */
+    /* The order of the rules in the deck does not matter. */
     struct config c = load("interface body B A { mu = 0.4 }\ninteraction A B { mu = 0.3; zeta = 0.3 }\n"
                            "interface body { mu = 0.2; zeta = 0.2; a_p = 0.2; linked = yes }\n"
                            "interface grain A A { linked = yes }\n"

@@ -1,5 +1,5 @@
 /* docs/deck.md has every keyword of the schema, in the section of its block, with the values, default and
- * meaning that the schema gives; and no keyword that the schema does not have. */
+ * meaning of the schema, and has no other keyword. */
 #include "deck/schema.h"
 #include "check.h"
 #include "deck_help.h"
@@ -64,7 +64,7 @@ static char *read_text(const char *path)
     return text;
 }
 
-/* The section of a block: from its heading to the next. */
+/* The section of a block, from its heading to the next heading. The caller frees the text. */
 static char *section(const char *manual, const char *block)
 {
     char heading[60];

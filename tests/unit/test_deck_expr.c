@@ -1,12 +1,13 @@
-/* Expressions as a deck's user writes them: each is the time step or the like of a small deck. */
+/* Expressions as in decks: each test puts expressions into a small deck and compares the loaded value. */
 #include "check.h"
 #include "deck_help.h"
 
 static const char deck_rest[] = "time { dt = 1; steps = 1 }\nmaterial M { rho0 = 1; c0 = 1; s = 1 }\n"
                                 "body b { shape = rectangle 0 0 1 1; spacing = 0.1; material = M }\n";
 
-/* The value of an expression: the x of `origin` of a deck with these lets; NaN where it does not load. The
- * domain is so large that the body is in it wherever it begins. */
+/* The value of an expression: 1e6 plus the x of `origin`, which is -1e6 plus the expression, in a deck with
+ * these lets; NaN where the deck does not load. The domain is so large that the body is inside for every
+ * value. */
 static double value(const char *lets, const char *expression)
 {
     char text[2000];
@@ -24,7 +25,7 @@ static double value(const char *lets, const char *expression)
 static void check_value(const char *lets, const char *expression, double want)
 {
     double got = value(lets, expression);
-    /* Adding the million costs the last digits. */
+    /* The added 1e6 costs the last digits. */
     CHECK_REPORT(fabs(got - want) < 1e-9, "'%s' is %.17g, expected %.17g", expression, got, want);
 }
 
@@ -73,7 +74,7 @@ TEST(lets_in_any_order)
     check_value("let a=1; let b = a + 1", "b", 2);
 }
 
-/* What the values of a list are, by a keyword that takes two. */
+/* The division of a list into values, by a keyword that takes two. */
 TEST(lists)
 {
     static const struct {
@@ -109,7 +110,7 @@ TEST(defines_override_lets)
     loaded_free(&l);
 }
 
-/* --steps needs no `steps` in the deck. */
+/* A deck may lack `steps` where --steps is given. */
 TEST(steps_replaced)
 {
     struct loaded l = load_text("domain { size = 9 9; r_c = 1; delta_r = 1 }\ntime { dt = 1 }\n"

@@ -1,10 +1,10 @@
-/* Decks as files: every deck of tests/decks/bad gives the report beside it, byte for byte; those of
- * tests/decks/good and input/ load (good ones with the warnings beside them, if any); and no mutation of them
- * makes the reader crash.
- * Bad decks that read well are refused when the model is built from them, with the place too.
+/* Decks as files. Every deck of tests/decks/bad gives the report in the file beside the deck, byte for byte;
+ * a deck there that loads must fail in model_build, with the place. The decks of tests/decks/good and input/
+ * load, the good ones with the warnings in the file beside them, if any. No mutation of these decks makes the
+ * reader crash.
  *
- * A first line `#: -D a=1 --steps 3` is a deck's command line. DM2_REWRITE=1 writes the reports instead of
- * comparing them: read the difference before you commit it. */
+ * A first line `#: -D a=1 --steps 3` in a deck has the options of the command line. DM2_REWRITE=1 writes the
+ * reports instead of comparing them; check the difference before a commit. */
 #include <dirent.h>
 #include <unistd.h>
 
@@ -24,7 +24,7 @@ static char *copy(const char *text, size_t n)
     return out;
 }
 
-/* The options in the deck's first line. */
+/* Takes the options in the first line of the deck. */
 static void take_options(struct deck_source *source)
 {
     const char *at = source->texts[0].text;
@@ -61,7 +61,7 @@ static int compare_names(const void *a, const void *b)
     return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
-/* The decks of a folder, sorted. */
+/* The sorted names of the decks in a folder. */
 static size_t list_decks(const char *folder, char **names)
 {
     enter_source_tree();
@@ -94,7 +94,7 @@ static void check_report(const char *name, const char *text, const char *suffix)
     free(expected);
 }
 
-/* What a deck that reads well is refused for when its elements are made: packing, time steps. */
+/* Builds the model of a deck that loads, for errors that model_build alone finds: packing, time steps. */
 static enum dm2_status build(const struct config *config, struct dm2_error *err)
 {
     struct model *model = NULL;
@@ -132,7 +132,8 @@ static void run_deck(const char *name, int good)
     deck_source_free(&source);
 }
 
-/* Runs a whole folder, from within it, so that messages show bare names. Gives the number of decks. */
+/* Runs all decks of a folder, with the folder as working directory, so that messages have names without
+ * folders. Returns the number of decks. */
 static size_t run_folder(const char *folder, int good)
 {
     char *names[MANY], back[4096];
@@ -173,7 +174,8 @@ static uint64_t next_random(uint64_t *state)
     return *state;
 }
 
-/* One to eight changes: a byte, a stretch removed, doubled, or overwritten by another place's. */
+/* Makes one to eight changes: a byte is replaced, or a range is removed, doubled, or overwritten by another
+ * range. */
 static void mutate(char *text, size_t *length, size_t cap, uint64_t *random)
 {
     static const char alphabet[] = "{}()=,;+-*/^#\"\n\t .0123456789eE_azm\\\x00\xff\xc2\x9b";

@@ -1,5 +1,5 @@
-/* What the decks of input/ describe, counted with a lattice of this test's own: the paper's 1689 elements in
- * rows of 54 and 55, the scaled plates, and how near lj-lattice comes to the number that was asked for. */
+/* The decks of input/, whose elements are counted by a lattice of this test: the 1689 elements of the paper
+ * in rows of 54 and 55, the scaled plates, and the deviation of lj-lattice from the number n. */
 #include <limits.h>
 
 #include "dm2/base/mem.h"
@@ -34,7 +34,7 @@ static double site(double origin, long i, double shift, double step)
     return origin + ((double)i + shift) * step;
 }
 
-/* Elements of row j of a body whose lattice is not turned. */
+/* The number of elements in row j of a body whose lattice is not turned. */
 static long count_row(const struct body_config *b, const double box[4], long j)
 {
     double shift = b->lattice == LATTICE_HEXAGONAL && j % 2 != 0 ? 0.5 : 0;
@@ -46,7 +46,7 @@ static long count_row(const struct body_config *b, const double box[4], long j)
     return n;
 }
 
-/* Elements of a body; *rows: how many rows have any. */
+/* The number of elements of a body; *rows: the number of rows with elements. */
 static long count_body(const struct body_config *b, long *rows)
 {
     double box[4];
@@ -84,7 +84,7 @@ TEST(plate_impact_has_the_papers_elements)
     CHECK_SAME_BITS(c.materials[1].tensile, 0.012);
     CHECK_SAME_BITS(c.size[0], 2.2);
     CHECK_SAME_BITS(c.size[1], 1.1);
-    /* The probe of the free surface holds the last row and no other. */
+    /* The probe of the free surface holds the last row only. */
     CHECK(c.probes[2].box[1] < 0.02 + 30 * 0.03464 && c.probes[2].box[1] > 0.02 + 29 * 0.03464);
     config_free(&c);
 }

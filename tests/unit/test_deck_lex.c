@@ -1,4 +1,4 @@
-/* Tokens: kinds and extents, and that the lexer ends in TOKEN_END whatever it is given. */
+/* Tokens: kinds and extents. The tokens of any text end in TOKEN_END. */
 #include "deck/lex.h"
 #include "check.h"
 
@@ -23,7 +23,7 @@ static void lex(const char *text, size_t length, struct lexed *out)
     CHECK(out->tokens.n > 0 && out->tokens.items[out->tokens.n - 1].kind == TOKEN_END);
 }
 
-/* One letter per token. */
+/* The kinds of the tokens, one letter for each. */
 static const char *kinds(const struct lexed *l, char *out)
 {
     size_t n = 0;

@@ -1,4 +1,5 @@
-/* Reading decks from disk: what is included, what cannot be read, and limits on what comes in over a wire. */
+/* Reading of decks from disk: included files, files that cannot be read, and limits on sources that come from
+ * a socket. */
 #include "dm2/base/words.h"
 #include "deck/findings.h"
 #include "deck/source.h"
@@ -48,7 +49,7 @@ TEST(what_cannot_be_read)
     CHECK_EQ_INT(deck_source_read(scratch_path("main"), &s, &err), DM2_IO);
     CHECK_CONTAINS(err.text, "main:3: ");
     CHECK_EQ_INT(s.n_texts, 0);
-    /* Sparse: 17 MiB of nothing. */
+    /* A sparse file of 17 MiB. */
     scratch_write("large", "#");
     CHECK_EQ_INT(truncate(scratch_path("large"), 17 << 20), 0);
     CHECK_EQ_INT(deck_source_read(scratch_path("large"), &s, &err), DM2_IO);
@@ -94,7 +95,7 @@ TEST(names_of_included_files)
     check_name("main", "a\tb", "(none)");
 }
 
-/* A source may come from anywhere: deck_load believes nothing. */
+/* deck_load checks every limit of a source, because a source may come from a socket. */
 TEST(sources_from_elsewhere)
 {
     struct loaded l;
@@ -111,7 +112,7 @@ TEST(sources_from_elsewhere)
     l = load_text(text, NULL, -1);
     CHECK_CONTAINS(l.report.text, "larger than 16 MiB");
     loaded_free(&l);
-    /* As many tokens as the limit allows, and more. */
+    /* Two million tokens, above the limit. */
     memset(text, ';', n);
     text[2000000] = '\0';
     l = load_text(text, NULL, -1);
@@ -130,7 +131,7 @@ TEST(sources_from_elsewhere)
     loaded_free(&l);
 }
 
-/* Many bodies and lets, all of them good: nothing is quadratic in practice. */
+/* Many valid bodies and lets: the time of loading does not grow with the square of their number. */
 TEST(a_large_deck)
 {
     size_t cap = 16 << 20, used = 0;
@@ -175,7 +176,8 @@ TEST(nearest_words)
     CHECK_EQ_INT(words_distance("abc", 3, "", 0), 3 * WORDS_LETTER);
 }
 
-/* Carets below tabs and characters of several bytes, windows in long lines, no byte that a terminal obeys. */
+/* Carets below tabs and below characters of several bytes, windows in long lines, and reports without control
+ * bytes for a terminal. */
 TEST(reports_are_printable)
 {
     struct loaded l = load_text("#\n\ttime { dt = \"\xc3\xa9\" x } # \x1b[0m\xc2\x9b\xff", NULL, -1);

@@ -1,4 +1,4 @@
-/* Geometry of bodies: what a shape holds, overlaps, polygons that are none. */
+/* Geometry of shapes: points inside, boxes and areas, overlaps, polygons that cross themselves. */
 #include "dm2/deck/shape.h"
 #include "check.h"
 
@@ -31,7 +31,7 @@ TEST(shapes_hold_points)
     CHECK(shape_contains(&l, 0.5, 2.5) && shape_contains(&l, 2.5, 0.5) && !shape_contains(&l, 2, 2));
 }
 
-/* Two halves of a square along its diagonal hold every point of it exactly once. */
+/* Each point of a square is in exactly one of its two halves along the diagonal. */
 TEST(neighbours_share_no_point)
 {
     static const double a[] = {0, 0, 1, 0, 1, 1}, b[] = {0, 0, 1, 1, 0, 1};

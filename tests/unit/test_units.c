@@ -1,4 +1,4 @@
-/* Units: values in base units to the last bit, dimensions, prefixes, what is no unit. */
+/* Units: exact values in base units, dimensions, prefixes, words that are no units. */
 #include "deck/units.h"
 #include "check.h"
 
@@ -32,7 +32,8 @@ TEST(si_units_in_base_units)
     CHECK_NEAR_REL(value("1", "atm"), 1.01325e-6, 1e-15);
 }
 
-/* The decimal point moves in the text: no second rounding. */
+/* The power of ten of the unit goes into the decimal exponent of the number, so that there is no second
+ * rounding. */
 TEST(a_number_with_a_unit_is_rounded_once)
 {
     CHECK_SAME_BITS(value("4.602", "mm"), 0.4602);
@@ -76,7 +77,7 @@ TEST(dimensions_have_names)
     CHECK_STR(dimension_name((struct dimension){0, 0, 0, 0, 0}, &text), "a plain number");
     CHECK_STR(dimension_name((struct dimension){2, 0, 1, -1, 0}, &text), "a quantity in cm^2 us K^-1");
     CHECK_STR(dimension_unit((struct dimension){-1, 1, -2, 0, 0}, &text), "Mbar");
-    /* The widest composition fits. */
+    /* The longest composed unit fits. */
     CHECK_CONTAINS(dimension_name((struct dimension){-30, -30, -30, -30, -30}, &text), "mol^-30");
     struct dimension sum;
     CHECK(!dimension_times((struct dimension){30, 0, 0, 0, 0}, (struct dimension){1, 0, 0, 0, 0}, 1, &sum));

@@ -40,7 +40,7 @@ struct explain_input {
 enum explain_cause {
     EXPLAIN_COMPUTING, /* mean computing of the servers, less W/P: other programs, a deck with other costs */
     EXPLAIN_IMBALANCE, /* computing of the slowest server, less the mean */
-    EXPLAIN_MIGRATION, /* messages of migrants, and second round trips */
+    EXPLAIN_MIGRATION, /* bytes of migrants, and second round trips */
     EXPLAIN_RELAY,     /* packing, unpacking, routing */
     EXPLAIN_WAITING,   /* the remainder: waiting for messages, another server slowest from step to step */
     EXPLAIN_CAUSES
