@@ -1,0 +1,198 @@
+/* The deck of a session: found among the server's own or sent by the client, compared by digest, loaded. */
+#include "server_parts.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "dm2/base/mem.h"
+#include "dm2/deck/digest.h"
+
+/* A path's last component is "..", or one before it is. */
+static bool climbs(const char *name)
+{
+    for (const char *p = name; p != NULL; p = strchr(p, '/')) {
+        p += *p == '/';
+        if (p[0] == '.' && p[1] == '.' && (p[2] == '/' || p[2] == '\0'))
+            return true;
+    }
+    return false;
+}
+
+char *server_deck_path(const char *directory, const char *name)
+{
+    size_t root = strlen(directory) + 1, size = root + strlen(name) + 1;
+    char *path = name[0] == '\0' || name[0] == '/' || climbs(name) ? NULL : mem_alloc(size, 1);
+    if (path == NULL)
+        return NULL;
+    (void)snprintf(path, size, "%s/%s", directory, name);
+    bool found = true;
+    struct stat info;
+    for (char *end = path + root; end != NULL && found;) { /* from one component of the name to the next */
+        end = strchr(end, '/');
+        if (end != NULL)
+            *end = '\0';
+        found = lstat(path, &info) == 0 && !S_ISLNK(info.st_mode);
+        if (end != NULL)
+            *end++ = '/';
+    }
+    if (found && S_ISREG(info.st_mode))
+        return path;
+    free(path);
+    return NULL;
+}
+
+/* Of the files that a deck below the directory includes, too. */
+static bool may_read(void *directory, const char *path)
+{
+    char *found = server_deck_path(directory, path + strlen(directory) + 1);
+    free(found);
+    return found != NULL;
+}
+
+/* Puts the texts of the server's own copy into the message, if there is one. */
+static bool read_own_copy(struct session *s)
+{
+    char *path = server_deck_path(s->options->deck_dir, s->deck.name);
+    struct deck_source own;
+    struct dm2_error ignored;
+    bool found =
+        path != NULL && deck_source_read_some(path, may_read, (void *)(uintptr_t)s->options->deck_dir, &own,
+                                              &ignored) == DM2_OK;
+    free(path);
+    if (!found)
+        return false;
+    struct deck_text *none = s->deck.source.texts; /* an empty array */
+    s->deck.source.texts = own.texts;
+    s->deck.source.n_texts = own.n_texts;
+    own.texts = none;
+    own.n_texts = 0;
+    deck_source_free(&own);
+    return true;
+}
+
+static enum dm2_status check_digest(const struct session *s, bool own_copy, struct dm2_error *err)
+{
+    unsigned char digest[SHA256_BYTES];
+    char here[SHA256_TEXT], there[SHA256_TEXT];
+    deck_digest(&s->deck.source, digest);
+    if (memcmp(digest, s->deck.digest, SHA256_BYTES) == 0)
+        return DM2_OK;
+    sha256_text(digest, here);
+    sha256_text(s->deck.digest, there);
+    return dm2_fail(err, DM2_PROTOCOL,
+                    "the deck '%.100s' differs: digest %s on the client, %s on the server%s", s->deck.name,
+                    there, here, own_copy ? ": bring the copies together, or use --send-deck" : "");
+}
+
+static enum dm2_status answer_deck(struct session *s, uint8_t loaded, struct dm2_error *err)
+{
+    bytes_clear(&s->out);
+    bytes_put_u8(&s->out, loaded);
+    return server_send(s, MESSAGE_ANSWER, err);
+}
+
+/* What a deck may ask of this server. */
+static enum dm2_status check_steps(const struct session *s, struct dm2_error *err)
+{
+    int64_t most = s->options->max_steps;
+    if (most == 0 || s->config.steps <= most)
+        return DM2_OK;
+    return dm2_fail(err, DM2_DECK,
+                    "the deck has %lld time steps, this server takes at most %lld: dm2-server --max-steps N",
+                    (long long)s->config.steps, (long long)most);
+}
+
+/* Before the work that the limit is to prevent: some four times as many are counted, and taken or not for
+ * their number; what is beyond is not begun. */
+static enum dm2_status check_estimate(const struct session *s, struct dm2_error *err)
+{
+    const struct model_estimate e = model_estimate(&s->config);
+    double most = (double)s->options->max_elements;
+    if (most == 0 ||
+        (e.elements <= 4 * most + 0x1p16 && e.places <= 64 * most + 0x1p20 && e.cells <= 64 * most + 0x1p20))
+        return DM2_OK;
+    return dm2_fail(err, DM2_DECK,
+                    "the deck makes about %.3g elements from %.3g lattice sites in %.3g cells, this server "
+                    "takes at most %.0f: "
+                    "dm2-server --max-elements N",
+                    e.elements, e.places, e.cells, most);
+}
+
+static enum dm2_status check_elements(const struct session *s, struct dm2_error *err)
+{
+    uint64_t most = s->options->max_elements;
+    if (most == 0 || model_elements(s->model) <= most)
+        return DM2_OK;
+    return dm2_fail(
+        err, DM2_DECK,
+        "the deck makes %zu elements, this server takes at most %llu: dm2-server --max-elements N",
+        model_elements(s->model), (unsigned long long)most);
+}
+
+static enum dm2_status load_deck(struct session *s, struct dm2_error *err)
+{
+    struct deck_report report = {0};
+    enum dm2_status status = deck_load(&s->deck.source, &s->config, &report);
+    s->loaded = status == DM2_OK;
+    if (status != DM2_OK)
+        status = dm2_fail(err, status, "the deck does not load: %s",
+                          report.text == NULL ? "no memory" : report.text);
+    deck_report_free(&report);
+    if (status == DM2_OK)
+        status = check_steps(s, err);
+    if (status == DM2_OK)
+        status = check_estimate(s, err);
+    if (status == DM2_OK)
+        status = model_build_watched(&s->config, (struct pulse){server_beat, s}, &s->model, err);
+    return status == DM2_OK ? check_elements(s, err) : status;
+}
+
+/* Waits for DECK; what comes before it is sent back as it is, so that the client can time the way there and
+ * back. With summary->measured that was all it came for. */
+static enum dm2_status expect_deck(struct session *s, struct bytes_reader *out, struct dm2_error *err)
+{
+    struct frame f;
+    enum dm2_status status;
+    for (;;) {
+        status = server_receive(s, LIMIT_DECK, server_deadline(s), &f, err);
+        if (status != DM2_OK || f.type != MESSAGE_ECHO)
+            break;
+        s->summary->measured = f.length == 0;
+        if (s->summary->measured)
+            return DM2_OK;
+        status = channel_send(&s->channel, MESSAGE_ECHO, 0, f.payload, f.length, server_deadline(s), err);
+        if (status != DM2_OK)
+            break;
+        s->summary->echoes++;
+    }
+    return status == DM2_OK ? server_check_type(&f, MESSAGE_DECK, out, err) : status;
+}
+
+enum dm2_status server_get_deck(struct session *s, struct dm2_error *err)
+{
+    for (int attempt = 0;; attempt++) {
+        struct bytes_reader r;
+        enum dm2_status status =
+            attempt == 0 ? expect_deck(s, &r, err)
+                         : server_expect(s, MESSAGE_DECK, LIMIT_DECK, server_deadline(s), &r, err);
+        if (status != DM2_OK || s->summary->measured)
+            return status;
+        message_free_deck(&s->deck);
+        message_get_deck(&r, &s->deck);
+        if (r.failed || (attempt > 0 && !s->deck.with_texts))
+            return server_not_decoded("DECK", err);
+        (void)snprintf(s->summary->deck, sizeof s->summary->deck, "%s", s->deck.name);
+        bool own_copy = !s->deck.with_texts && read_own_copy(s);
+        if (s->deck.with_texts || own_copy) {
+            status = check_digest(s, own_copy, err);
+            if (status == DM2_OK)
+                status = load_deck(s, err);
+            return status == DM2_OK ? answer_deck(s, 1, err) : status;
+        }
+        status = answer_deck(s, 0, err);
+        if (status != DM2_OK)
+            return status;
+    }
+}

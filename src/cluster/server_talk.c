@@ -1,0 +1,96 @@
+/* Messages between a session and its client. */
+#include "server_parts.h"
+
+#include "dm2/base/clock.h"
+
+struct deadline server_deadline(const struct session *s)
+{
+    return deadline_in(s->timeout, s->options->cancel);
+}
+
+/* Sends what s->out holds. */
+enum dm2_status server_send(struct session *s, enum message_type type, struct dm2_error *err)
+{
+    if (s->unsaid.status != DM2_OK)
+        return dm2_fail(err, s->unsaid.status, "%s", s->unsaid.text);
+    if (s->out.failed)
+        return dm2_fail(err, DM2_MEMORY, "no memory for a message");
+    enum dm2_status status =
+        channel_send(&s->channel, (uint8_t)type, 0, s->out.data, s->out.length, server_deadline(s), err);
+    s->quiet_since = clock_now();
+    return status;
+}
+
+/* Called in the midst of work that may take longer than the client waits. What goes wrong here is told
+ * by the next message that is sent. */
+void server_beat(void *context)
+{
+    struct session *s = context;
+    double now = clock_now();
+    if (now - s->quiet_since < s->alive_every || s->unsaid.status != DM2_OK)
+        return;
+    s->quiet_since = now;
+    (void)channel_send(&s->channel, MESSAGE_ALIVE, 0, NULL, 0, server_deadline(s), &s->unsaid);
+    lobby_look(s->lobby);
+}
+
+/* Is this the message that is due? */
+enum dm2_status server_check_type(const struct frame *f, enum message_type type, struct bytes_reader *out,
+                                  struct dm2_error *err)
+{
+    *out = bytes_reader_of(f->payload, f->length);
+    if (f->type == type)
+        return DM2_OK;
+    char name[2][16];
+    if (f->type == MESSAGE_ERROR) {
+        struct error_message m;
+        message_get_error(out, &m);
+        return dm2_fail(err, DM2_NET, "the client ended the session: %s", m.text);
+    }
+    return dm2_fail(err, DM2_PROTOCOL, "the client sent %s where %s is due", message_name(f->type, name[0]),
+                    message_name((uint8_t)type, name[1]));
+}
+
+/* Waits for a frame, and meanwhile looks after those who stand outside. */
+static enum dm2_status receive_frame(struct session *s, uint32_t limit, struct deadline until,
+                                     struct frame *f, struct dm2_error *err)
+{
+    bool complete = false;
+    enum dm2_status status = DM2_OK;
+    if (channel_pending(&s->channel))
+        status = channel_receive_some(&s->channel, limit, &complete, f, err);
+    while (status == DM2_OK && !complete) {
+        if (!lobby_wait(s->lobby, s->channel.fd, until))
+            return channel_receive(&s->channel, limit, until, f,
+                                   err); /* which also says why there is nothing */
+        status = channel_receive_some(&s->channel, limit, &complete, f, err);
+    }
+    return status;
+}
+
+/* Waits for a message; with each sign of life from the client, as long again. */
+enum dm2_status server_receive(struct session *s, uint32_t limit, struct deadline until, struct frame *f,
+                               struct dm2_error *err)
+{
+    for (;;) {
+        enum dm2_status status = receive_frame(s, limit, until, f, err);
+        s->quiet_since = clock_now();
+        if (status != DM2_OK || f->type != MESSAGE_ALIVE || f->length != 0 || !s->greeted)
+            return status;
+        until = server_deadline(s);
+    }
+}
+
+/* Waits for a message of this type. */
+enum dm2_status server_expect(struct session *s, enum message_type type, uint32_t limit,
+                              struct deadline until, struct bytes_reader *out, struct dm2_error *err)
+{
+    struct frame f;
+    enum dm2_status status = server_receive(s, limit, until, &f, err);
+    return status == DM2_OK ? server_check_type(&f, type, out, err) : status;
+}
+
+enum dm2_status server_not_decoded(const char *what, struct dm2_error *err)
+{
+    return dm2_fail(err, DM2_PROTOCOL, "the client's %s message does not decode", what);
+}
