@@ -39,10 +39,12 @@ void exchange_free(struct exchange *x)
 
 static double *room_for(struct exchange *x, size_t n)
 {
-    void *block = x->values;
-    if (n > SIZE_MAX / x->width || mem_grow(&block, &x->values_cap, 0, n * x->width, sizeof *x->values) != 0)
-        return NULL;
-    return x->values = block;
+    double *values = NULL;
+    if (n <= SIZE_MAX / x->width)
+        values = mem_grown(x->values, &x->values_cap, 0, n * x->width, sizeof *values);
+    if (values != NULL)
+        x->values = values;
+    return values;
 }
 
 static size_t start_segment(struct bytes_writer *w, int from, int to)

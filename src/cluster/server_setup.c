@@ -42,22 +42,30 @@ struct received_state {
     size_t n_elements, n_pairs, elements_cap, pairs_cap;
 };
 
+static bool make_room(struct received_state *in, size_t n_elements, size_t n_pairs)
+{
+    struct element *elements = mem_grown(in->elements, &in->elements_cap, in->n_elements,
+                                         in->n_elements + n_elements, sizeof *elements);
+    if (elements == NULL)
+        return false;
+    in->elements = elements;
+    struct pair_record *pairs =
+        mem_grown(in->pairs, &in->pairs_cap, in->n_pairs, in->n_pairs + n_pairs, sizeof *pairs);
+    if (pairs == NULL)
+        return false;
+    in->pairs = pairs;
+    return true;
+}
+
 static enum dm2_status take_part(struct received_state *in, const struct model *model,
                                  const struct state_message *m, struct bytes_reader *r, struct dm2_error *err)
 {
     const struct wire_limits limits = wire_limits_of(model);
-    void *elements = in->elements, *pairs = in->pairs;
     if (!m->last && m->n_elements == 0 && m->n_pairs == 0)
         return dm2_fail(err, DM2_PROTOCOL, "the client sent an empty part of a state");
     if (in->n_pairs + m->n_pairs > WIRE_PAIRS_MOST * limits.elements)
         return dm2_fail(err, DM2_PROTOCOL, "the client sent more than %d pairs per element", WIRE_PAIRS_MOST);
-    int failed = mem_grow(&elements, &in->elements_cap, in->n_elements, in->n_elements + m->n_elements,
-                          sizeof *in->elements);
-    in->elements = elements;
-    if (failed == 0)
-        failed = mem_grow(&pairs, &in->pairs_cap, in->n_pairs, in->n_pairs + m->n_pairs, sizeof *in->pairs);
-    in->pairs = pairs;
-    if (failed != 0)
+    if (!make_room(in, m->n_elements, m->n_pairs))
         return dm2_fail(err, DM2_MEMORY, "no memory for the state to start from");
     for (size_t k = 0; k < m->n_elements && !r->failed; k++) {
         struct element *e = &in->elements[in->n_elements];

@@ -237,12 +237,12 @@ static enum dm2_status read_more(struct channel *ch, size_t *got, struct dm2_err
     struct dm2_error why = {0};
     int closed = 0;
     if (ch->filled == ch->cap) {
-        void *block = ch->buffer;
         size_t want = ch->cap > 0 ? 2 * ch->cap : BUFFER_FIRST;
-        if (mem_grow(&block, &ch->cap, ch->filled, want, 1) != 0)
+        unsigned char *buffer = mem_grown(ch->buffer, &ch->cap, ch->filled, want, 1);
+        if (buffer == NULL)
             return dm2_fail(err, DM2_MEMORY, "%s: no memory for a message of %u bytes", ch->name,
                             ch->in.length);
-        ch->buffer = block;
+        ch->buffer = buffer;
     }
     enum dm2_status status =
         socket_read_some(ch->fd, ch->buffer + ch->filled, ch->cap - ch->filled, got, &closed, &why);
