@@ -20,7 +20,9 @@ static bool climbs(const char *name)
     return false;
 }
 
-char *server_deck_path(const char *directory, const char *name)
+/* The path of the regular file `name` below `directory`: `name` is no absolute path and has no component
+ * "..", and no component of it is a symbolic link. malloc'd, or NULL where there is no such file. */
+static char *find_deck(const char *directory, const char *name)
 {
     size_t root = strlen(directory) + 1, size = root + strlen(name) + 1;
     char *path = name[0] == '\0' || name[0] == '/' || climbs(name) ? NULL : mem_alloc(size, 1);
@@ -46,7 +48,7 @@ char *server_deck_path(const char *directory, const char *name)
 /* Of the files that a deck below the directory includes, too. */
 static bool may_read(void *directory, const char *path)
 {
-    char *found = server_deck_path(directory, path + strlen(directory) + 1);
+    char *found = find_deck(directory, path + strlen(directory) + 1);
     free(found);
     return found != NULL;
 }
@@ -54,7 +56,7 @@ static bool may_read(void *directory, const char *path)
 /* Puts the texts of the server's own copy into the message, if there is one. */
 static bool read_own_copy(struct session *s)
 {
-    char *path = server_deck_path(s->options->deck_dir, s->deck.name);
+    char *path = find_deck(s->options->deck_dir, s->deck.name);
     struct deck_source own;
     struct dm2_error ignored;
     bool found =

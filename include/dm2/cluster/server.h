@@ -55,8 +55,4 @@ typedef void (*server_log)(void *context, enum server_event event, const char *p
 enum dm2_status server_serve(int listener, const struct server_options *options, bool once, server_log log,
                              void *context, struct dm2_error *err);
 
-/* The regular file `name` below `directory`: no absolute path, no "..", and no symbolic link on the way.
- * malloc'd, or NULL where there is no such file. */
-char *server_deck_path(const char *directory, const char *name);
-
 #endif
