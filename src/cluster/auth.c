@@ -92,12 +92,12 @@ enum dm2_status auth_key_create(const char *path, struct dm2_error *err)
     return dm2_fail(err, DM2_IO, "%s: cannot write: %s", path, strerror(error));
 }
 
-static int digit(char c)
+static int digit_value(char c)
 {
     return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
 }
 
-static enum dm2_status read_open(int fd, const char *path, struct auth_key *key, struct dm2_error *err)
+static enum dm2_status read_key(int fd, const char *path, struct auth_key *key, struct dm2_error *err)
 {
     char text[TEXT_LENGTH + 1];
     struct stat info;
@@ -113,7 +113,7 @@ static enum dm2_status read_open(int fd, const char *path, struct auth_key *key,
     ssize_t got = read_up_to(fd, text, sizeof text);
     int good = got == TEXT_LENGTH && memcmp(text, HEAD, HEAD_LENGTH) == 0 && text[TEXT_LENGTH - 1] == '\n';
     for (int k = 0; k < AUTH_KEY && good; k++) {
-        int high = digit(text[HEAD_LENGTH + 2 * k]), low = digit(text[HEAD_LENGTH + 2 * k + 1]);
+        int high = digit_value(text[HEAD_LENGTH + 2 * k]), low = digit_value(text[HEAD_LENGTH + 2 * k + 1]);
         good = high >= 0 && low >= 0;
         key->bytes[k] = (unsigned char)(high << 4 | low);
     }
@@ -128,7 +128,7 @@ enum dm2_status auth_key_read(const char *path, struct auth_key *key, struct dm2
     if (fd < 0)
         return dm2_fail(err, DM2_USAGE, "%s: cannot open the key: %s; dm2-server --new-key FILE makes one",
                         path, strerror(errno));
-    enum dm2_status status = read_open(fd, path, key, err);
+    enum dm2_status status = read_key(fd, path, key, err);
     (void)close(fd);
     return status;
 }

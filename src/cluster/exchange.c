@@ -37,7 +37,7 @@ void exchange_free(struct exchange *x)
     *x = (struct exchange){0};
 }
 
-static double *room_for(struct exchange *x, size_t n)
+static double *reserve_values(struct exchange *x, size_t n)
 {
     double *values = NULL;
     if (n <= SIZE_MAX / x->width)
@@ -71,7 +71,7 @@ enum dm2_status exchange_pack_update(struct exchange *x, const struct subdomain 
         size_t n = to == x->rank ? 0 : subdomain_send_count(sd, to);
         if (n == 0)
             continue;
-        double *values = room_for(x, n);
+        double *values = reserve_values(x, n);
         if (values == NULL)
             return dm2_fail(err, DM2_MEMORY, "no memory to send %zu elements", n);
         subdomain_pack_update(sd, to, values);
@@ -105,7 +105,7 @@ enum dm2_status exchange_pack_rebuild(struct exchange *x, struct subdomain *sd, 
 }
 
 /* The next segment's source and a reader of its bytes. False where it cannot be one for this rank. */
-static bool next_segment(struct exchange *x, struct bytes_reader *r, int *from, struct bytes_reader *segment)
+static bool get_segment(struct exchange *x, struct bytes_reader *r, int *from, struct bytes_reader *segment)
 {
     *from = bytes_get_u16(r);
     int to = bytes_get_u16(r);
@@ -118,7 +118,7 @@ static bool next_segment(struct exchange *x, struct bytes_reader *r, int *from, 
     return true;
 }
 
-static enum dm2_status wrong_segments(const struct exchange *x, struct dm2_error *err)
+static enum dm2_status fail_segments(const struct exchange *x, struct dm2_error *err)
 {
     return dm2_fail(err, DM2_PROTOCOL, "rank %d got segments that are cut, doubled or not its own", x->rank);
 }
@@ -130,14 +130,14 @@ enum dm2_status exchange_take_update(struct exchange *x, struct subdomain *sd, s
     for (uint32_t k = 0; k < count; k++) {
         int from;
         struct bytes_reader segment;
-        if (!next_segment(x, r, &from, &segment))
-            return wrong_segments(x, err);
+        if (!get_segment(x, r, &from, &segment))
+            return fail_segments(x, err);
         size_t n = subdomain_receive_count(sd, from);
         if (n == 0 || segment.length / 8 / x->width != n || segment.length != 8 * n * x->width)
             return dm2_fail(err, DM2_PROTOCOL,
                             "rank %d got %zu bytes from rank %d for %zu mirrored elements of %zu bytes",
                             x->rank, segment.length, from, n, 8 * x->width);
-        double *values = room_for(x, n);
+        double *values = reserve_values(x, n);
         if (values == NULL)
             return dm2_fail(err, DM2_MEMORY, "no memory to take %zu elements", n);
         bytes_get_f64s(&segment, values, n * x->width);
@@ -146,7 +146,7 @@ enum dm2_status exchange_take_update(struct exchange *x, struct subdomain *sd, s
             return status;
     }
     if (!bytes_done(r))
-        return wrong_segments(x, err);
+        return fail_segments(x, err);
     for (int from = 0; from < x->ranks; from++)
         if (from != x->rank && !x->came[from] && subdomain_receive_count(sd, from) > 0)
             return dm2_fail(err, DM2_PROTOCOL,
@@ -164,8 +164,8 @@ enum dm2_status exchange_take_rebuild(struct exchange *x, struct subdomain *sd, 
     for (uint32_t k = 0; k < count && status == DM2_OK; k++) {
         int from;
         struct bytes_reader segment;
-        if (!next_segment(x, r, &from, &segment)) {
-            status = wrong_segments(x, err);
+        if (!get_segment(x, r, &from, &segment)) {
+            status = fail_segments(x, err);
             break;
         }
         wire_get_parcel(&segment, &x->limits, &x->in[n]);
@@ -181,7 +181,7 @@ enum dm2_status exchange_take_rebuild(struct exchange *x, struct subdomain *sd, 
         n++;
     }
     if (status == DM2_OK && !bytes_done(r))
-        status = wrong_segments(x, err);
+        status = fail_segments(x, err);
     if (status == DM2_OK) {
         x->in[n] = x->out[x->rank]; /* the engine's own arrays: not freed here */
         status = subdomain_take_in(sd, x->in, n + 1, err);

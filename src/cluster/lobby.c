@@ -12,9 +12,9 @@
  * has had a second. What has come from it by then is read first: a server that computes for longer takes
  * nobody's turn away.
  *
- * Where a connection could not be taken, for want of descriptors for instance, it still makes the listener
- * readable: that one is left alone for 100 ms then, so that the wait for the session's client is none that
- * spins.
+ * Where a connection could not be taken, for want of descriptors for instance, it was_partial makes the
+ * listener readable: that one is left alone for 100 ms then, so that the wait for the session's client is
+ * none that spins.
  *
  * A server that is free and has a client at hand turns to it before it says anything to those behind: it is
  * not free.
@@ -35,7 +35,7 @@
 #include "dm2/base/machine.h"
 #include "dm2/cluster/messages.h"
 
-static const double VAGUE_SECONDS = 0.05, DEAF_SECONDS = 0.1;
+static const double PARTIAL_SECONDS = 0.05, ACCEPT_PAUSE = 0.1;
 
 /* How long to look for the client's next message before sleeping. A processor whose server sleeps falls
  * asleep too, and waking it up takes longer than all that the client does in a step; one that looks lets the
@@ -50,19 +50,19 @@ void lobby_open(struct lobby *l, int listener, const struct server_options *opti
     *l = (struct lobby){.options = options, .listener = listener, .log = log, .log_context = log_context};
 }
 
-static void say(const struct lobby *l, enum server_event event, const char *peer, const char *line)
+static void log_event(const struct lobby *l, enum server_event event, const char *peer, const char *line)
 {
     if (l->log != NULL)
         l->log(l->log_context, event, peer, line);
 }
 
-static void leave(struct lobby *l, size_t k)
+static void remove_visitor(struct lobby *l, size_t k)
 {
     memmove(&l->visitors[k], &l->visitors[k + 1], (--l->n - k) * sizeof l->visitors[0]);
 }
 
-static enum dm2_status send_out(struct lobby *l, struct visitor *v, enum message_type type,
-                                struct dm2_error *err)
+static enum dm2_status send_message(struct lobby *l, struct visitor *v, enum message_type type,
+                                    struct dm2_error *err)
 {
     if (l->out.failed)
         return dm2_fail(err, DM2_MEMORY, "no memory for a message");
@@ -70,22 +70,23 @@ static enum dm2_status send_out(struct lobby *l, struct visitor *v, enum message
 }
 
 /* `told` is what the visitor gets to know, `why` is for the log. */
-static void send_away(struct lobby *l, size_t k, enum dm2_status status, const char *told, const char *why)
+static void dismiss_visitor(struct lobby *l, size_t k, enum dm2_status status, const char *told,
+                            const char *why)
 {
     struct visitor *v = &l->visitors[k];
     struct error_message m = {.status = status};
     (void)snprintf(m.text, sizeof m.text, "%s", told);
     bytes_clear(&l->out);
     message_put_error(&l->out, &m);
-    (void)send_out(l, v, MESSAGE_ERROR, NULL);
-    say(l, SERVER_FAILED, v->channel.name, why);
+    (void)send_message(l, v, MESSAGE_ERROR, NULL);
+    log_event(l, SERVER_FAILED, v->channel.name, why);
     channel_hang_up(&v->channel, deadline_in(0, -1));
-    leave(l, k);
+    remove_visitor(l, k);
 }
 
-static void refuse(struct lobby *l, size_t k, const char *why)
+static void refuse_visitor(struct lobby *l, size_t k, const char *why)
 {
-    send_away(l, k, DM2_PROTOCOL, REFUSAL_TEXT, why);
+    dismiss_visitor(l, k, DM2_PROTOCOL, REFUSAL_TEXT, why);
 }
 
 void lobby_close(struct lobby *l)
@@ -95,7 +96,7 @@ void lobby_close(struct lobby *l)
     bytes_free(&l->out);
 }
 
-static size_t clients(const struct lobby *l)
+static size_t count_clients(const struct lobby *l)
 {
     size_t n = 0;
     for (size_t k = 0; k < l->n; k++)
@@ -104,9 +105,9 @@ static size_t clients(const struct lobby *l)
 }
 
 /* The visitor wants to be served. False: as many wait as may. */
-static bool let_wait(const struct lobby *l, struct visitor *v)
+static bool queue_client(const struct lobby *l, struct visitor *v)
 {
-    if (l->business.peer != NULL && clients(l) >= LOBBY_CLIENTS)
+    if (l->business.peer != NULL && count_clients(l) >= LOBBY_CLIENTS)
         return false;
     v->kind = VISITOR_CLIENT;
     return true;
@@ -127,10 +128,10 @@ static enum dm2_status send_report(struct lobby *l, struct visitor *v, struct dm
         m.ranks = b->session->rank < 0 ? 0 : b->session->ranks;
         m.step = b->session->steps;
     }
-    m.waiting = (uint32_t)clients(l);
+    m.waiting = (uint32_t)count_clients(l);
     bytes_clear(&l->out);
     message_put_report(&l->out, &m);
-    return send_out(l, v, MESSAGE_REPORT, err);
+    return send_message(l, v, MESSAGE_REPORT, err);
 }
 
 static enum dm2_status send_challenge(struct lobby *l, struct visitor *v, struct dm2_error *err)
@@ -139,7 +140,7 @@ static enum dm2_status send_challenge(struct lobby *l, struct visitor *v, struct
     bytes_clear(&l->out);
     bytes_put_raw(&l->out, v->nonces.server, AUTH_NONCE);
     v->kind = VISITOR_PROVES;
-    return status == DM2_OK ? send_out(l, v, MESSAGE_CHALLENGE, err) : status;
+    return status == DM2_OK ? send_message(l, v, MESSAGE_CHALLENGE, err) : status;
 }
 
 static enum dm2_status send_grant(struct lobby *l, struct visitor *v, struct dm2_error *err)
@@ -149,7 +150,7 @@ static enum dm2_status send_grant(struct lobby *l, struct visitor *v, struct dm2
     auth_code(key, AUTH_SERVER, PROTOCOL_VERSION, &v->nonces, code);
     bytes_clear(&l->out);
     bytes_put_raw(&l->out, code, AUTH_CODE);
-    enum dm2_status status = send_out(l, v, MESSAGE_GRANT, err);
+    enum dm2_status status = send_message(l, v, MESSAGE_GRANT, err);
     auth_session_key(key, AUTH_CLIENT, PROTOCOL_VERSION, &v->nonces, in);
     auth_session_key(key, AUTH_SERVER, PROTOCOL_VERSION, &v->nonces, out);
     channel_use_keys(&v->channel, in, out);
@@ -157,12 +158,12 @@ static enum dm2_status send_grant(struct lobby *l, struct visitor *v, struct dm2
 }
 
 /* What becomes of a visitor. */
-enum turn_out { STAYS, IS_ANSWERED, IS_ONE_TOO_MANY };
+enum visit_result { VISIT_GOES_ON, VISIT_ANSWERED, VISIT_SURPLUS };
 
 /* The visitor proves first: a stranger gets a random number from this server and nothing that depends on the
  * key. */
-static enum dm2_status admit(struct lobby *l, struct visitor *v, const unsigned char proof[AUTH_CODE],
-                             enum turn_out *what, struct dm2_error *err)
+static enum dm2_status check_proof(struct lobby *l, struct visitor *v, const unsigned char proof[AUTH_CODE],
+                                   enum visit_result *result, struct dm2_error *err)
 {
     bool asks = v->role == AUTH_ASKER;
     unsigned char code[AUTH_CODE];
@@ -170,15 +171,15 @@ static enum dm2_status admit(struct lobby *l, struct visitor *v, const unsigned 
     if (!hmac_equal(code, proof, AUTH_CODE))
         return dm2_fail(err, DM2_PROTOCOL, "%s has another key",
                         asks ? "who asks for the status" : "the client");
-    *what = asks ? IS_ANSWERED : let_wait(l, v) ? STAYS : IS_ONE_TOO_MANY;
-    v->whole = v->kind == VISITOR_CLIENT;
-    enum dm2_status status = *what == IS_ONE_TOO_MANY ? DM2_OK : send_grant(l, v, err);
+    *result = asks ? VISIT_ANSWERED : queue_client(l, v) ? VISIT_GOES_ON : VISIT_SURPLUS;
+    v->verified = v->kind == VISITOR_CLIENT;
+    enum dm2_status status = *result == VISIT_SURPLUS ? DM2_OK : send_grant(l, v, err);
     return status == DM2_OK && asks ? send_report(l, v, err) : status;
 }
 
 /* The first message, or the answer to the challenge: a nonce and a code are of one length. */
 static enum dm2_status take_message(struct lobby *l, struct visitor *v, const struct frame *f,
-                                    enum turn_out *what, struct dm2_error *err)
+                                    enum visit_result *result, struct dm2_error *err)
 {
     char name[2][16];
     bool keyed = l->options->key != NULL, proves = v->kind == VISITOR_PROVES,
@@ -192,9 +193,9 @@ static enum dm2_status take_message(struct lobby *l, struct visitor *v, const st
         return dm2_fail(err, DM2_PROTOCOL, "%s sent a %s message of %zu bytes", who,
                         message_name(f->type, name[0]), f->length);
     if (proves)
-        return admit(l, v, f->payload, what, err);
+        return check_proof(l, v, f->payload, result, err);
     if (!keyed) {
-        *what = IS_ANSWERED;
+        *result = VISIT_ANSWERED;
         return send_report(l, v, err);
     }
     v->role = asks ? AUTH_ASKER : AUTH_CLIENT;
@@ -203,19 +204,20 @@ static enum dm2_status take_message(struct lobby *l, struct visitor *v, const st
 }
 
 /* What has come from a visitor that says what it wants, or proves the key. */
-static enum dm2_status attend(struct lobby *l, struct visitor *v, enum turn_out *what, struct dm2_error *err)
+static enum dm2_status read_visitor(struct lobby *l, struct visitor *v, enum visit_result *result,
+                                    struct dm2_error *err)
 {
     bool complete;
     struct frame f;
     enum dm2_status status = channel_receive_some(&v->channel, LIMIT_AUTH, &complete, &f, err);
-    return status == DM2_OK && complete ? take_message(l, v, &f, what, err) : status;
+    return status == DM2_OK && complete ? take_message(l, v, &f, result, err) : status;
 }
 
 /* --- without a key: who has not said what it wants --- */
 
 /* What cannot become a session is told apart only while the server is busy: otherwise the session says what
  * was wrong, also of one that is vague at the second look. */
-static const char *look_at(struct lobby *l, struct visitor *v, enum turn_out *what)
+static const char *peek_header(struct lobby *l, struct visitor *v, enum visit_result *result)
 {
     unsigned char head[TYPE_AT + 1], magic[4];
     const struct frame_header none = {.version = PROTOCOL_VERSION};
@@ -225,16 +227,17 @@ static const char *look_at(struct lobby *l, struct visitor *v, enum turn_out *wh
     frame_header_encode(&none, own);
     memcpy(magic, own, sizeof magic);
     bool broken = socket_peek(v->channel.fd, head, sizeof head, &got, &closed, NULL) != DM2_OK || closed;
-    bool stranger = memcmp(head, magic, got < sizeof magic ? got : sizeof magic) != 0;
-    bool still = v->vague;
-    v->vague = got > 0 && got < sizeof head && !stranger && !broken;
-    if ((broken || stranger) && l->business.peer != NULL)
+    bool foreign = memcmp(head, magic, got < sizeof magic ? got : sizeof magic) != 0;
+    bool was_partial = v->partial;
+    v->partial = got > 0 && got < sizeof head && !foreign && !broken;
+    if ((broken || foreign) && l->business.peer != NULL)
         return broken ? "closed the connection" : "does not speak dm2's protocol";
-    if (got == sizeof head && !stranger && head[TYPE_AT] == MESSAGE_STATUS)
+    if (got == sizeof head && !foreign && head[TYPE_AT] == MESSAGE_STATUS)
         v->kind = VISITOR_ASKS;
-    else if ((broken || stranger || got == sizeof head || (still && v->vague && l->business.peer == NULL)) &&
-             !let_wait(l, v))
-        *what = IS_ONE_TOO_MANY;
+    else if ((broken || foreign || got == sizeof head ||
+              (was_partial && v->partial && l->business.peer == NULL)) &&
+             !queue_client(l, v))
+        *result = VISIT_SURPLUS;
     return NULL;
 }
 
@@ -253,45 +256,46 @@ static bool has_first_message(const struct visitor *v)
 
 /* --- all together --- */
 
-static bool is_free(const struct lobby *l)
+static bool is_server_free(const struct lobby *l)
 {
     return l->business.peer == NULL;
 }
 
 /* One visitor's turn. Returns why it is refused, or NULL. */
-static const char *look_after(struct lobby *l, struct visitor *v, enum turn_out *what, struct dm2_error *err)
+static const char *handle_visitor(struct lobby *l, struct visitor *v, enum visit_result *result,
+                                  struct dm2_error *err)
 {
-    const char *why = v->gone ? "closed the connection" : NULL;
+    const char *why = v->closed ? "closed the connection" : NULL;
     bool keyed = l->options->key != NULL;
     if (why == NULL && v->kind == VISITOR_NEW && !keyed)
-        why = look_at(l, v, what);
-    if (why == NULL && v->kind == VISITOR_CLIENT && !v->whole)
-        v->whole = has_first_message(v);
+        why = peek_header(l, v, result);
+    if (why == NULL && v->kind == VISITOR_CLIENT && !v->verified)
+        v->verified = has_first_message(v);
     if (why == NULL && v->kind != VISITOR_CLIENT && (v->kind != VISITOR_NEW || keyed) &&
-        attend(l, v, what, err) != DM2_OK)
+        read_visitor(l, v, result, err) != DM2_OK)
         why = err->text;
-    if (why == NULL && *what == STAYS && !v->whole && clock_now() >= v->until)
+    if (why == NULL && *result == VISIT_GOES_ON && !v->verified && clock_now() >= v->until)
         why = "no answer in time";
     return why;
 }
 
 /* Goes through the visitors once. */
-static void make_rounds(struct lobby *l)
+static void handle_visitors(struct lobby *l)
 {
-    for (size_t k = 0; k < l->n && (!is_free(l) || clients(l) == 0);) {
+    for (size_t k = 0; k < l->n && (!is_server_free(l) || count_clients(l) == 0);) {
         struct visitor *v = &l->visitors[k];
         struct dm2_error err = {0};
-        enum turn_out what = STAYS;
-        const char *why = look_after(l, v, &what, &err);
+        enum visit_result result = VISIT_GOES_ON;
+        const char *why = handle_visitor(l, v, &result, &err);
         if (why != NULL) {
-            refuse(l, k, why);
-        } else if (what == IS_ONE_TOO_MANY) {
-            send_away(l, k, DM2_NET, "too many clients wait for it already",
-                      "refused: as many clients wait as may");
-        } else if (what == IS_ANSWERED) {
-            say(l, SERVER_CONNECTED, v->channel.name, "asked for the status");
+            refuse_visitor(l, k, why);
+        } else if (result == VISIT_SURPLUS) {
+            dismiss_visitor(l, k, DM2_NET, "too many clients wait for it already",
+                            "refused: as many clients wait as may");
+        } else if (result == VISIT_ANSWERED) {
+            log_event(l, SERVER_CONNECTED, v->channel.name, "asked for the status");
             channel_hang_up(&v->channel, deadline_in(0, -1));
-            leave(l, k);
+            remove_visitor(l, k);
         } else {
             k++;
         }
@@ -308,52 +312,52 @@ void lobby_enter(struct lobby *l, int fd, const char *peer)
 
 /* The oldest of those who may be strangers: who has not proved the key, without one who has not said a whole
  * message. */
-static size_t oldest_unknown(const struct lobby *l)
+static size_t oldest_unverified(const struct lobby *l)
 {
     size_t k = 0;
-    while (k < l->n && l->visitors[k].whole)
+    while (k < l->n && l->visitors[k].verified)
         k++;
     return k;
 }
 
 /* From when on the lobby has, or makes, room for one more; a time of clock_now(). */
-static double room_from(const struct lobby *l)
+static double accept_time(const struct lobby *l)
 {
-    size_t oldest = oldest_unknown(l);
+    size_t oldest = oldest_unverified(l);
     double room = l->n < LOBBY_MOST ? 0 : oldest < l->n ? l->visitors[oldest].came + LOBBY_GRACE : INFINITY;
-    return fmax(room, l->deaf_until);
+    return fmax(room, l->accept_after);
 }
 
 /* Takes one connection, if one is there. What had come from the visitors has been read. */
-static enum dm2_status take_visitor(struct lobby *l, struct dm2_error *err)
+static enum dm2_status accept_visitor(struct lobby *l, struct dm2_error *err)
 {
     char peer[SOCKET_NAME];
     int fd = -1;
-    size_t oldest = oldest_unknown(l);
+    size_t oldest = oldest_unverified(l);
     if (l->n == LOBBY_MOST && oldest < l->n)
-        refuse(l, oldest, "no answer while others want to come in");
+        refuse_visitor(l, oldest, "no answer while others want to come in");
     if (l->n == LOBBY_MOST)
         return DM2_OK;
     enum dm2_status status = socket_accept(l->listener, deadline_in(0, -1), &fd, peer, err);
     if (status == DM2_TIMEOUT || fd < 0) {
-        l->deaf_until = clock_now() + DEAF_SECONDS;
+        l->accept_after = clock_now() + ACCEPT_PAUSE;
         return status == DM2_TIMEOUT ? DM2_OK : status;
     }
     lobby_enter(l, fd, peer);
     if (l->options->allow != NULL && !allow_peer(l->options->allow, fd))
-        refuse(l, l->n - 1, "refused: its address is not among those of --allow");
+        refuse_visitor(l, l->n - 1, "refused: its address is not among those of --allow");
     return DM2_OK;
 }
 
 /* The time by which somebody has to be looked at who may not have sent anything. */
-static double next_round(const struct lobby *l, double until)
+static double next_deadline(const struct lobby *l, double until)
 {
     for (size_t k = 0; k < l->n; k++) {
         const struct visitor *v = &l->visitors[k];
-        if (!v->whole && v->until < until)
+        if (!v->verified && v->until < until)
             until = v->until;
-        if (v->vague && v->kind == VISITOR_NEW && clock_now() + VAGUE_SECONDS < until)
-            until = clock_now() + VAGUE_SECONDS;
+        if (v->partial && v->kind == VISITOR_NEW && clock_now() + PARTIAL_SECONDS < until)
+            until = clock_now() + PARTIAL_SECONDS;
     }
     return until;
 }
@@ -361,21 +365,21 @@ static double next_round(const struct lobby *l, double until)
 enum lobby_wake { WAKE_NONE, WAKE_FD, WAKE_CANCEL, WAKE_BROKEN };
 
 /* One poll, and what follows from it; fd may be -1. */
-static enum lobby_wake turn(struct lobby *l, int fd, struct deadline until, struct dm2_error *err)
+static enum lobby_wake poll_once(struct lobby *l, int fd, struct deadline until, struct dm2_error *err)
 {
     struct pollfd polls[LOBBY_MOST + 3];
     nfds_t n = 0;
-    double room = room_from(l);
+    double room = accept_time(l);
     bool shut = clock_now() < room;
     polls[n++] = (struct pollfd){.fd = fd, .events = POLLIN};
     polls[n++] = (struct pollfd){.fd = until.cancel, .events = POLLIN};
     polls[n++] = (struct pollfd){.fd = shut ? -1 : l->listener, .events = POLLIN};
     for (size_t k = 0; k < l->n; k++) {
         const struct visitor *v = &l->visitors[k];
-        polls[n++] = (struct pollfd){.fd = v->kind == VISITOR_NEW && v->vague ? -1 : v->channel.fd,
+        polls[n++] = (struct pollfd){.fd = v->kind == VISITOR_NEW && v->partial ? -1 : v->channel.fd,
                                      .events = v->kind == VISITOR_CLIENT ? SOCKET_ENDED : POLLIN};
     }
-    double left = next_round(l, shut ? fmin(room, until.at) : until.at) - clock_now();
+    double left = next_deadline(l, shut ? fmin(room, until.at) : until.at) - clock_now();
     int timeout = left <= 0 ? 0 : left > 1e6 ? 1000000000 : (int)ceil(left * 1000);
     int ready = socket_poll(polls, n, timeout, fd >= 0 ? LOOK_SECONDS : 0.0);
     if (ready < 0 && errno != EINTR && errno != EAGAIN) {
@@ -384,15 +388,16 @@ static enum lobby_wake turn(struct lobby *l, int fd, struct deadline until, stru
     }
     bool more = ready > 0 && polls[2].revents != 0;
     for (size_t k = 0; k < l->n; k++)
-        l->visitors[k].gone = ready > 0 && l->visitors[k].kind == VISITOR_CLIENT && polls[3 + k].revents != 0;
+        l->visitors[k].closed =
+            ready > 0 && l->visitors[k].kind == VISITOR_CLIENT && polls[3 + k].revents != 0;
     if (ready > 0 && polls[1].revents != 0)
         return WAKE_CANCEL;
-    make_rounds(l);
-    more = more && clock_now() >= room_from(l);
-    if (more && take_visitor(l, err) != DM2_OK)
+    handle_visitors(l);
+    more = more && clock_now() >= accept_time(l);
+    if (more && accept_visitor(l, err) != DM2_OK)
         return WAKE_BROKEN;
     if (more)
-        make_rounds(l); /* what it wants may be there already */
+        handle_visitors(l); /* what it wants may be there already */
     return ready > 0 && polls[0].revents != 0 ? WAKE_FD : WAKE_NONE;
 }
 
@@ -400,13 +405,13 @@ bool lobby_wait(struct lobby *l, int fd, struct deadline until)
 {
     enum lobby_wake wake = WAKE_NONE;
     while (wake == WAKE_NONE && clock_now() < until.at)
-        wake = turn(l, fd, until, NULL);
+        wake = poll_once(l, fd, until, NULL);
     return wake == WAKE_FD;
 }
 
 void lobby_look(struct lobby *l)
 {
-    (void)turn(l, -1, deadline_in(0, -1), NULL); /* what broke, the next wait finds out */
+    (void)poll_once(l, -1, deadline_in(0, -1), NULL); /* what broke, the next wait finds out */
 }
 
 /* The first client in the order of coming. */
@@ -416,7 +421,7 @@ static bool take_client(struct lobby *l, struct channel *out)
         if (l->visitors[k].kind != VISITOR_CLIENT)
             continue;
         *out = l->visitors[k].channel;
-        leave(l, k);
+        remove_visitor(l, k);
         return true;
     }
     return false;
@@ -428,12 +433,12 @@ enum dm2_status lobby_next(struct lobby *l, struct deadline until, struct channe
     while (!take_client(l, out)) {
         if (l->listener < 0 && l->n == 0)
             return dm2_fail(err, DM2_PROTOCOL, "who came was refused");
-        enum lobby_wake wake = turn(l, -1, until, err);
+        enum lobby_wake wake = poll_once(l, -1, until, err);
         if (wake == WAKE_CANCEL)
             return dm2_fail(err, DM2_INTERRUPTED, "asked to end by a signal");
         if (wake == WAKE_BROKEN)
             return DM2_NET;
-        if (clock_now() >= until.at && clients(l) == 0)
+        if (clock_now() >= until.at && count_clients(l) == 0)
             return dm2_fail(err, DM2_TIMEOUT, "no client came in time");
     }
     return DM2_OK;

@@ -35,9 +35,9 @@ struct visitor {
     struct channel channel; /* its name is the peer */
     enum visitor_kind kind;
     enum auth_role role; /* of one that proves */
-    bool vague;          /* has sent too little to tell: looked at again soon */
-    bool whole;          /* a client that has proved the key, or whose first message is there to its end */
-    bool gone;           /* a client that has closed */
+    bool partial;        /* has sent too little to tell: looked at again soon */
+    bool verified;       /* a client that has proved the key, or whose first message is there to its end */
+    bool closed;         /* a client that has closed */
     double came, until;  /* times of clock_now(): all that it wants must have been said by the latter */
     struct auth_nonces nonces;
 };
@@ -57,7 +57,7 @@ struct lobby {
     struct lobby_business business;
     struct visitor visitors[LOBBY_MOST]; /* in the order in which they came */
     size_t n;
-    double deaf_until; /* a time of clock_now(): no connection is taken before, since one could not be */
+    double accept_after; /* a time of clock_now(): no connection is taken before, since one could not be */
     struct bytes_writer out;
 };
 

@@ -15,7 +15,7 @@
 
 static const double HANG_UP_SECONDS = 2.0; /* for a peer to read our last message */
 
-static enum dm2_status shake_hands(struct session *s, struct dm2_error *err)
+static enum dm2_status exchange_hellos(struct session *s, struct dm2_error *err)
 {
     struct bytes_reader r;
     struct hello_message hello, own = {.fingerprint = fingerprint_compute()};
@@ -41,7 +41,7 @@ static enum dm2_status shake_hands(struct session *s, struct dm2_error *err)
 
 /* --- the session --- */
 
-static void tell_client(struct session *s, const struct dm2_error *err)
+static void send_error(struct session *s, const struct dm2_error *err)
 {
     struct error_message m = {.status = err->status};
     (void)snprintf(m.text, sizeof m.text, "%s", err->text);
@@ -90,14 +90,14 @@ static enum dm2_status serve_client(const struct channel *client, const struct s
     double start = s.quiet_since = clock_now();
     *summary = (struct session_summary){.rank = -1};
     lobby->business = (struct lobby_business){.peer = client->name, .since = start, .session = summary};
-    enum dm2_status status = shake_hands(&s, err);
+    enum dm2_status status = exchange_hellos(&s, err);
     s.greeted = status == DM2_OK;
     if (status == DM2_OK)
         status = server_get_deck(&s, err);
     if (status == DM2_OK && !summary->measured)
         status = serve_run(&s, err);
     if (status != DM2_OK && status != DM2_NET)
-        tell_client(&s, err);
+        send_error(&s, err);
     channel_hang_up(&s.channel,
                     deadline_in(HANG_UP_SECONDS, -1)); /* a signal does not cut the last message */
     free_session(&s);

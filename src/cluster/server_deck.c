@@ -10,7 +10,7 @@
 #include "dm2/deck/digest.h"
 
 /* A path's last component is "..", or one before it is. */
-static bool climbs(const char *name)
+static bool has_parent_component(const char *name)
 {
     for (const char *p = name; p != NULL; p = strchr(p, '/')) {
         p += *p == '/';
@@ -25,7 +25,7 @@ static bool climbs(const char *name)
 static char *find_deck(const char *directory, const char *name)
 {
     size_t root = strlen(directory) + 1, size = root + strlen(name) + 1;
-    char *path = name[0] == '\0' || name[0] == '/' || climbs(name) ? NULL : mem_alloc(size, 1);
+    char *path = name[0] == '\0' || name[0] == '/' || has_parent_component(name) ? NULL : mem_alloc(size, 1);
     if (path == NULL)
         return NULL;
     (void)snprintf(path, size, "%s/%s", directory, name);
@@ -46,7 +46,7 @@ static char *find_deck(const char *directory, const char *name)
 }
 
 /* Of the files that a deck below the directory includes, too. */
-static bool may_read(void *directory, const char *path)
+static bool may_read_file(void *directory, const char *path)
 {
     char *found = find_deck(directory, path + strlen(directory) + 1);
     free(found);
@@ -60,8 +60,8 @@ static bool read_own_copy(struct session *s)
     struct deck_source own;
     struct dm2_error ignored;
     bool found =
-        path != NULL && deck_source_read_some(path, may_read, (void *)(uintptr_t)s->options->deck_dir, &own,
-                                              &ignored) == DM2_OK;
+        path != NULL && deck_source_read_some(path, may_read_file, (void *)(uintptr_t)s->options->deck_dir,
+                                              &own, &ignored) == DM2_OK;
     free(path);
     if (!found)
         return false;
@@ -88,7 +88,7 @@ static enum dm2_status check_digest(const struct session *s, bool own_copy, stru
                     there, here, own_copy ? ": bring the copies together, or use --send-deck" : "");
 }
 
-static enum dm2_status answer_deck(struct session *s, uint8_t loaded, struct dm2_error *err)
+static enum dm2_status send_answer(struct session *s, uint8_t loaded, struct dm2_error *err)
 {
     bytes_clear(&s->out);
     bytes_put_u8(&s->out, loaded);
@@ -191,9 +191,9 @@ enum dm2_status server_get_deck(struct session *s, struct dm2_error *err)
             status = check_digest(s, own_copy, err);
             if (status == DM2_OK)
                 status = load_deck(s, err);
-            return status == DM2_OK ? answer_deck(s, 1, err) : status;
+            return status == DM2_OK ? send_answer(s, 1, err) : status;
         }
-        status = answer_deck(s, 0, err);
+        status = send_answer(s, 0, err);
         if (status != DM2_OK)
             return status;
     }

@@ -36,13 +36,13 @@ struct session {
     struct subdomain *sd;
     struct exchange exchange;
     double timeout;
-    double quiet_since;      /* the last message, from here or from there */
-    double alive_every;      /* seconds of work from then until ALIVE, and from one to the next */
-    struct dm2_error unsaid; /* what came of the one that could not be sent */
-    double heard;            /* when the last message had come: work since then is `busy` */
-    double ahead;            /* seconds of work on this step before that */
-    bool counts;             /* the processor's seconds, since `counted`; see count_cpu */
-    double counted;
+    double quiet_since;           /* the last message, from here or from there */
+    double alive_every;           /* seconds of work from then until ALIVE, and from one to the next */
+    struct dm2_error alive_error; /* what came of the one that could not be sent */
+    double heard;                 /* when the last message had come: work since then is `busy` */
+    double ahead;                 /* seconds of work on this step before that */
+    bool cpu_on;                  /* the processor's seconds, since `counted`; see count_cpu */
+    double cpu_since;
     struct server_times times;
 };
 

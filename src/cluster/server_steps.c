@@ -23,11 +23,11 @@
 static bool count_cpu(struct session *s, bool on)
 {
     double now = clock_cpu();
-    bool before = s->counts;
+    bool before = s->cpu_on;
     if (before)
-        s->times.cpu += now - s->counted;
-    s->counts = on;
-    s->counted = now;
+        s->times.cpu += now - s->cpu_since;
+    s->cpu_on = on;
+    s->cpu_since = now;
     return before;
 }
 
@@ -96,7 +96,7 @@ static enum dm2_status send_profiles(struct session *s, struct dm2_error *err)
 /* --- steps --- */
 
 /* Adds up the engine's own times; returns the seconds of rebuilds among them. */
-static double tally(struct session *s)
+static double add_engine_times(struct session *s)
 {
     struct subdomain_times t;
     subdomain_take_times(s->sd, &t);
@@ -113,7 +113,7 @@ static enum dm2_status send_step(struct session *s, struct step_message *m, stru
 {
     enum dm2_status status;
     double start = clock_now();
-    (void)tally(s);
+    (void)add_engine_times(s);
     bytes_clear(&s->out);
     message_put_step(&s->out, m);
     size_t head = s->out.length;
@@ -125,7 +125,7 @@ static enum dm2_status send_step(struct session *s, struct step_message *m, stru
         status = exchange_pack_update(&s->exchange, s->sd, &s->out, &m->n_segments, err);
     if (status != DM2_OK)
         return status;
-    double rebuild = tally(s), now = clock_now();
+    double rebuild = add_engine_times(s), now = clock_now();
     m->busy = now - s->heard + s->ahead;
     s->ahead = 0.0;
     s->times.pack += now - start - rebuild;
@@ -161,7 +161,7 @@ static enum dm2_status get_next(struct session *s, int64_t step, struct next_mes
 
 /* While the others' states are on the way: what of the next step needs none of them. A client on the same
  * processor gets it first, or the message would lie there until this work is done. */
-static void work_ahead(struct session *s, int64_t step)
+static void start_next_forces(struct session *s, int64_t step)
 {
     if (step == s->config.steps)
         return; /* the final state comes first */
@@ -175,7 +175,7 @@ static void work_ahead(struct session *s, int64_t step)
 }
 
 /* The exchange after a step; *asked says how, and gets how the next one will be. */
-static enum dm2_status exchange_step(struct session *s, struct step_message *m, struct next_message *asked,
+static enum dm2_status swap_segments(struct session *s, struct step_message *m, struct next_message *asked,
                                      struct dm2_error *err)
 {
     struct next_message next;
@@ -183,7 +183,7 @@ static enum dm2_status exchange_step(struct session *s, struct step_message *m, 
     m->rebuild = asked->rebuild_next;
     enum dm2_status status = send_step(s, m, err);
     if (status == DM2_OK && !m->rebuild)
-        work_ahead(s, m->step);
+        start_next_forces(s, m->step);
     if (status == DM2_OK)
         status = get_next(s, m->step, &next, &r, err);
     if (status == DM2_OK && next.redo) {
@@ -206,12 +206,13 @@ static enum dm2_status exchange_step(struct session *s, struct step_message *m, 
         status = exchange_take_rebuild(&s->exchange, s->sd, &r, next.n_segments, err);
     else
         status = exchange_take_update(&s->exchange, s->sd, &r, next.n_segments, err);
-    s->times.unpack += clock_now() - start - tally(s);
+    s->times.unpack += clock_now() - start - add_engine_times(s);
     *asked = next;
     return status;
 }
 
-static enum dm2_status step(struct session *s, int64_t n, struct next_message *asked, struct dm2_error *err)
+static enum dm2_status run_step(struct session *s, int64_t n, struct next_message *asked,
+                                struct dm2_error *err)
 {
     bool snapshot = results_snapshot_due(&s->config, n), measure = results_measure_due(&s->config, n);
     struct step_message m = {.step = n + 1, .measured = measure};
@@ -233,7 +234,7 @@ static enum dm2_status step(struct session *s, int64_t n, struct next_message *a
     if (status == DM2_OK && asked->copy_next)
         status = send_state(s, STATE_COPY, err);
     if (status == DM2_OK)
-        status = exchange_step(s, &m, asked, err);
+        status = swap_segments(s, &m, asked, err);
     s->times.steps++;
     s->times.mirrored += subdomain_mirrored(s->sd);
     s->summary->steps = m.step;
@@ -247,7 +248,7 @@ enum dm2_status server_run_steps(struct session *s, struct dm2_error *err)
     (void)count_cpu(s, true);
     s->heard = clock_now();
     for (int64_t n = subdomain_step(s->sd); n < s->config.steps && status == DM2_OK; n++)
-        status = step(s, n, &asked, err);
+        status = run_step(s, n, &asked, err);
     (void)count_cpu(s, false);
     return status;
 }
@@ -255,7 +256,7 @@ enum dm2_status server_run_steps(struct session *s, struct dm2_error *err)
 enum dm2_status server_send_done(struct session *s, struct dm2_error *err)
 {
     struct done_message done = {0};
-    (void)tally(s);
+    (void)add_engine_times(s);
     enum dm2_status status = send_state(s, STATE_FINAL, err);
     if (status == DM2_OK)
         status = subdomain_forces(s->sd, true, err);

@@ -11,8 +11,8 @@ struct deadline server_deadline(const struct session *s)
 /* Sends what s->out holds. */
 enum dm2_status server_send(struct session *s, enum message_type type, struct dm2_error *err)
 {
-    if (s->unsaid.status != DM2_OK)
-        return dm2_fail(err, s->unsaid.status, "%s", s->unsaid.text);
+    if (s->alive_error.status != DM2_OK)
+        return dm2_fail(err, s->alive_error.status, "%s", s->alive_error.text);
     if (s->out.failed)
         return dm2_fail(err, DM2_MEMORY, "no memory for a message");
     enum dm2_status status =
@@ -27,10 +27,10 @@ void server_beat(void *context)
 {
     struct session *s = context;
     double now = clock_now();
-    if (now - s->quiet_since < s->alive_every || s->unsaid.status != DM2_OK)
+    if (now - s->quiet_since < s->alive_every || s->alive_error.status != DM2_OK)
         return;
     s->quiet_since = now;
-    (void)channel_send(&s->channel, MESSAGE_ALIVE, 0, NULL, 0, server_deadline(s), &s->unsaid);
+    (void)channel_send(&s->channel, MESSAGE_ALIVE, 0, NULL, 0, server_deadline(s), &s->alive_error);
     lobby_look(s->lobby);
 }
 

@@ -13,7 +13,7 @@
 static const unsigned char MAPPED[12] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};
 
 /* The bits of its family, 32 or 128; 0 where it is no address. */
-static int address_bytes(const char *text, unsigned char out[16])
+static int parse_address(const char *text, unsigned char out[16])
 {
     if (inet_pton(AF_INET6, text, out) == 1)
         return 128;
@@ -21,13 +21,13 @@ static int address_bytes(const char *text, unsigned char out[16])
     return inet_pton(AF_INET, text, out + sizeof MAPPED) == 1 ? 32 : 0;
 }
 
-static bool same_start(const unsigned char *a, const unsigned char *b, int bits)
+static bool same_leading_bits(const unsigned char *a, const unsigned char *b, int bits)
 {
     int whole = bits / 8, rest = bits % 8;
     return memcmp(a, b, (size_t)whole) == 0 && (rest == 0 || (a[whole] ^ b[whole]) >> (8 - rest) == 0);
 }
 
-static bool is_clean(const struct allow_network *net)
+static bool host_bits_clear(const struct allow_network *net)
 {
     for (int bit = net->bits; bit < 128; bit++)
         if ((net->address[bit / 8] >> (7 - bit % 8) & 1) != 0)
@@ -44,7 +44,7 @@ enum dm2_status allow_add(struct allow_list *list, const char *text, struct dm2_
     if (list->n == ALLOW_MOST)
         return dm2_fail(err, DM2_USAGE, "--allow %s: at most %d networks are taken", text, ALLOW_MOST);
     (void)snprintf(address, sizeof address, "%.*s", length < sizeof address ? (int)length : 0, text);
-    int family = address_bytes(address, net.address);
+    int family = parse_address(address, net.address);
     if (family == 0)
         return dm2_fail(err, DM2_USAGE,
                         "--allow %s: an address or a network such as 192.168.1.0/24 or fd00::/8 is expected",
@@ -59,7 +59,7 @@ enum dm2_status allow_add(struct allow_list *list, const char *text, struct dm2_
                             family);
     }
     net.bits = 128 - family + (int)bits;
-    if (!is_clean(&net))
+    if (!host_bits_clear(&net))
         return dm2_fail(err, DM2_USAGE,
                         "--allow %s: the address has bits behind the first %ld: give the network's own", text,
                         bits);
@@ -67,10 +67,10 @@ enum dm2_status allow_add(struct allow_list *list, const char *text, struct dm2_
     return DM2_OK;
 }
 
-static bool holds(const struct allow_list *list, const unsigned char address[16])
+static bool list_holds(const struct allow_list *list, const unsigned char address[16])
 {
     for (int k = 0; k < list->n; k++)
-        if (same_start(list->items[k].address, address, list->items[k].bits))
+        if (same_leading_bits(list->items[k].address, address, list->items[k].bits))
             return true;
     return list->n == 0;
 }
@@ -78,7 +78,7 @@ static bool holds(const struct allow_list *list, const unsigned char address[16]
 bool allow_address(const struct allow_list *list, const char *address)
 {
     unsigned char bytes[16];
-    return address_bytes(address, bytes) != 0 && holds(list, bytes);
+    return parse_address(address, bytes) != 0 && list_holds(list, bytes);
 }
 
 bool allow_peer(const struct allow_list *list, int fd)
@@ -102,5 +102,5 @@ bool allow_peer(const struct allow_list *list, int fd)
     } else {
         return false;
     }
-    return holds(list, bytes);
+    return list_holds(list, bytes);
 }

@@ -62,7 +62,7 @@ enum frame_fault frame_header_decode(const unsigned char in[FRAME_HEADER], uint1
     out->length = get_le(in + 8, 4);
     out->checksum = get_le(in + 12, 4);
     if (get_le(in, 4) != FRAME_MAGIC)
-        return FRAME_STRANGER;
+        return FRAME_BAD_MAGIC;
     if (out->version != version)
         return FRAME_VERSION;
     if (out->length > limit || out->length > FRAME_LENGTH_MAX)
@@ -108,8 +108,8 @@ void channel_hang_up(struct channel *ch, struct deadline until)
 }
 
 /* The same status with the peer's name before the text. */
-static enum dm2_status named(const struct channel *ch, enum dm2_status status, const struct dm2_error *why,
-                             struct dm2_error *err)
+static enum dm2_status name_peer(const struct channel *ch, enum dm2_status status,
+                                 const struct dm2_error *why, struct dm2_error *err)
 {
     if (status == DM2_OK || status == DM2_INTERRUPTED) {
         if (err != NULL && status != DM2_OK)
@@ -119,7 +119,7 @@ static enum dm2_status named(const struct channel *ch, enum dm2_status status, c
     return dm2_fail(err, status, "%s: %s", ch->name, why->text);
 }
 
-static void tag_start(struct siphash *s, const unsigned char key[SIPHASH_KEY], uint64_t number)
+static void start_tag(struct siphash *s, const unsigned char key[SIPHASH_KEY], uint64_t number)
 {
     unsigned char count[8];
     put_le(count, (uint32_t)(number & 0xffffffffU), 4);
@@ -129,8 +129,8 @@ static void tag_start(struct siphash *s, const unsigned char key[SIPHASH_KEY], u
 }
 
 /* Puts checksum or tag of header and payload where they belong. */
-static void seal(struct channel *ch, unsigned char header[FRAME_HEADER + FRAME_TAG], const struct iovec *iov,
-                 size_t n_iov)
+static void seal_frame(struct channel *ch, unsigned char header[FRAME_HEADER + FRAME_TAG],
+                       const struct iovec *iov, size_t n_iov)
 {
     if (!ch->keyed) {
         uint32_t crc = crc32c(0, header, FRAME_HEADER - 4);
@@ -140,7 +140,7 @@ static void seal(struct channel *ch, unsigned char header[FRAME_HEADER + FRAME_T
         return;
     }
     struct siphash s;
-    tag_start(&s, ch->key_out, ch->tags_out++);
+    start_tag(&s, ch->key_out, ch->tags_out++);
     siphash_add(&s, header, FRAME_HEADER);
     for (size_t k = 1; k < n_iov; k++)
         siphash_add(&s, iov[k].iov_base, iov[k].iov_len);
@@ -148,7 +148,7 @@ static void seal(struct channel *ch, unsigned char header[FRAME_HEADER + FRAME_T
 }
 
 /* Bytes before the payload. */
-static size_t head_of(const struct channel *ch)
+static size_t head_length(const struct channel *ch)
 {
     return FRAME_HEADER + (ch->keyed ? FRAME_TAG : 0);
 }
@@ -169,14 +169,14 @@ enum dm2_status channel_send_parts(struct channel *ch, uint8_t type, uint8_t fla
         .version = ch->version, .type = type, .flags = flags, .length = (uint32_t)length};
     frame_header_encode(&h, header);
     struct dm2_error why = {0};
-    seal(ch, header, iov, n_iov);
-    iov[0] = (struct iovec){.iov_base = header, .iov_len = head_of(ch)};
+    seal_frame(ch, header, iov, n_iov);
+    iov[0] = (struct iovec){.iov_base = header, .iov_len = head_length(ch)};
     enum dm2_status status = socket_write_all(ch->fd, iov, n_iov, until, &why);
     if (status == DM2_OK) {
         ch->frames_out++;
-        ch->bytes_out += head_of(ch) + length;
+        ch->bytes_out += head_length(ch) + length;
     }
-    return named(ch, status, &why, err);
+    return name_peer(ch, status, &why, err);
 }
 
 enum dm2_status channel_send(struct channel *ch, uint8_t type, uint8_t flags, const void *payload,
@@ -186,12 +186,12 @@ enum dm2_status channel_send(struct channel *ch, uint8_t type, uint8_t flags, co
     return channel_send_parts(ch, type, flags, iov, 2, until, err);
 }
 
-static enum dm2_status header_fault(const struct channel *ch, enum frame_fault fault,
+static enum dm2_status report_fault(const struct channel *ch, enum frame_fault fault,
                                     const struct frame_header *h, uint32_t limit, struct dm2_error *err)
 {
     char start[5] = {0};
     switch (fault) {
-    case FRAME_STRANGER:
+    case FRAME_BAD_MAGIC:
         for (int k = 0; k < 4; k++)
             start[k] = ch->buffer[k] >= ' ' && ch->buffer[k] <= '~' ? (char)ch->buffer[k] : '.';
         return dm2_fail(err, DM2_PROTOCOL, "%s does not speak dm2's protocol: its message starts with '%s'",
@@ -223,16 +223,16 @@ static enum dm2_status check_header(struct channel *ch, uint32_t limit, struct d
     if (ch->header_good || ch->filled < 4)
         return DM2_OK;
     if (get_le(ch->buffer, 4) != FRAME_MAGIC)
-        return header_fault(ch, FRAME_STRANGER, &ch->in, limit, err);
+        return report_fault(ch, FRAME_BAD_MAGIC, &ch->in, limit, err);
     if (ch->filled < FRAME_HEADER)
         return DM2_OK;
     ch->header_good = true;
-    return header_fault(ch, frame_header_decode(ch->buffer, ch->version, limit, &ch->in), &ch->in, limit,
+    return report_fault(ch, frame_header_decode(ch->buffer, ch->version, limit, &ch->in), &ch->in, limit,
                         err);
 }
 
 /* Reads what is there into the buffer, which grows when it is full. */
-static enum dm2_status read_more(struct channel *ch, size_t *got, struct dm2_error *err)
+static enum dm2_status read_bytes(struct channel *ch, size_t *got, struct dm2_error *err)
 {
     struct dm2_error why = {0};
     int closed = 0;
@@ -247,9 +247,9 @@ static enum dm2_status read_more(struct channel *ch, size_t *got, struct dm2_err
     enum dm2_status status =
         socket_read_some(ch->fd, ch->buffer + ch->filled, ch->cap - ch->filled, got, &closed, &why);
     if (status != DM2_OK)
-        return named(ch, status, &why, err);
+        return name_peer(ch, status, &why, err);
     if (closed)
-        return ch->filled > 0 ? header_fault(ch, FRAME_CUT, &ch->in, 0, err)
+        return ch->filled > 0 ? report_fault(ch, FRAME_CUT, &ch->in, 0, err)
                               : dm2_fail(err, DM2_NET, "%s closed the connection", ch->name);
     if (*got > 0)
         ch->heard = clock_now();
@@ -259,7 +259,7 @@ static enum dm2_status read_more(struct channel *ch, size_t *got, struct dm2_err
 }
 
 /* Forgets the frame that was handed out; what follows it moves to the start. */
-static void drop_taken(struct channel *ch)
+static void drop_frame(struct channel *ch)
 {
     if (ch->taken == 0)
         return;
@@ -269,13 +269,13 @@ static void drop_taken(struct channel *ch)
     ch->header_good = false;
 }
 
-static bool check_matches(struct channel *ch, const unsigned char *payload)
+static bool verify_frame(struct channel *ch, const unsigned char *payload)
 {
     if (!ch->keyed)
         return crc32c(crc32c(0, ch->buffer, FRAME_HEADER - 4), payload, ch->in.length) == ch->in.checksum;
     struct siphash s;
     unsigned char tag[FRAME_TAG];
-    tag_start(&s, ch->key_in, ch->tags_in++);
+    start_tag(&s, ch->key_in, ch->tags_in++);
     siphash_add(&s, ch->buffer, FRAME_HEADER);
     siphash_add(&s, payload, ch->in.length);
     siphash_finish(&s, tag);
@@ -286,13 +286,13 @@ static bool check_matches(struct channel *ch, const unsigned char *payload)
 static enum dm2_status take_frame(struct channel *ch, bool *complete, struct frame *out,
                                   struct dm2_error *err)
 {
-    size_t head = head_of(ch);
+    size_t head = head_length(ch);
     *complete = ch->header_good && ch->filled >= head + ch->in.length;
     if (!*complete)
         return DM2_OK;
     const unsigned char *payload = ch->buffer + head;
-    if (!check_matches(ch, payload))
-        return header_fault(ch, FRAME_CHECKSUM, &ch->in, 0, err);
+    if (!verify_frame(ch, payload))
+        return report_fault(ch, FRAME_CHECKSUM, &ch->in, 0, err);
     *out = (struct frame){
         .type = ch->in.type, .flags = ch->in.flags, .payload = payload, .length = ch->in.length};
     ch->taken = head + (size_t)ch->in.length;
@@ -308,7 +308,7 @@ bool channel_pending(const struct channel *ch)
 enum dm2_status channel_receive_some(struct channel *ch, uint32_t limit, bool *complete, struct frame *out,
                                      struct dm2_error *err)
 {
-    drop_taken(ch);
+    drop_frame(ch);
     for (;;) {
         size_t got = 0;
         enum dm2_status status = check_header(ch, limit, err);
@@ -316,7 +316,7 @@ enum dm2_status channel_receive_some(struct channel *ch, uint32_t limit, bool *c
             status = take_frame(ch, complete, out, err);
         if (status != DM2_OK || *complete)
             return status;
-        status = read_more(ch, &got, err);
+        status = read_bytes(ch, &got, err);
         if (status != DM2_OK || got == 0)
             return status;
     }
@@ -327,7 +327,7 @@ enum dm2_status channel_receive(struct channel *ch, uint32_t limit, struct deadl
                                 struct dm2_error *err)
 {
     bool complete = false;
-    drop_taken(ch);
+    drop_frame(ch);
     enum dm2_status status = check_header(ch, limit, err);
     if (status == DM2_OK)
         status = take_frame(ch, &complete, out, err);
@@ -335,7 +335,7 @@ enum dm2_status channel_receive(struct channel *ch, uint32_t limit, struct deadl
         struct dm2_error why = {0};
         status = socket_wait(ch->fd, POLLIN, until, &why);
         if (status != DM2_OK)
-            return named(ch, status, &why, err);
+            return name_peer(ch, status, &why, err);
         status = channel_receive_some(ch, limit, &complete, out, err);
     }
     return status;

@@ -79,7 +79,7 @@ enum dm2_status socket_wait(int fd, short events, struct deadline until, struct 
     }
 }
 
-static int set_up(int fd)
+static int set_options(int fd)
 {
     int flags = fcntl(fd, F_GETFL), on = 1;
     if (flags < 0 || fcntl(fd, F_SETFL, flags | O_NONBLOCK) < 0 || fcntl(fd, F_SETFD, FD_CLOEXEC) < 0)
@@ -88,7 +88,7 @@ static int set_up(int fd)
     return 0;
 }
 
-static void name_of(const struct sockaddr *address, socklen_t length, char out[SOCKET_NAME])
+static void name_address(const struct sockaddr *address, socklen_t length, char out[SOCKET_NAME])
 {
     char host[256], port[32];
     if (getnameinfo(address, length, host, sizeof host, port, sizeof port, NI_NUMERICHOST | NI_NUMERICSERV) !=
@@ -98,8 +98,8 @@ static void name_of(const struct sockaddr *address, socklen_t length, char out[S
         (void)snprintf(out, SOCKET_NAME, strchr(host, ':') != NULL ? "[%s]:%s" : "%s:%s", host, port);
 }
 
-static enum dm2_status resolve(const char *host, int port, int flags, struct addrinfo **out,
-                               struct dm2_error *err)
+static enum dm2_status resolve_host(const char *host, int port, int flags, struct addrinfo **out,
+                                    struct dm2_error *err)
 {
     struct addrinfo hints;
     char service[16];
@@ -120,14 +120,14 @@ enum dm2_status socket_listen(const char *address, int port, int *fd, char bound
                               struct dm2_error *err)
 {
     struct addrinfo *found = NULL;
-    enum dm2_status status = resolve(address, port, AI_PASSIVE, &found, err);
+    enum dm2_status status = resolve_host(address, port, AI_PASSIVE, &found, err);
     *fd = -1;
     if (status != DM2_OK)
         return status;
     int failure = 0;
     for (struct addrinfo *a = found; a != NULL && *fd < 0; a = a->ai_next) {
         int s = socket(a->ai_family, a->ai_socktype, a->ai_protocol), on = 1;
-        if (s >= 0 && set_up(s) == 0 && setsockopt(s, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) == 0 &&
+        if (s >= 0 && set_options(s) == 0 && setsockopt(s, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) == 0 &&
             bind(s, a->ai_addr, a->ai_addrlen) == 0 && listen(s, LISTEN_BACKLOG) == 0) {
             *fd = s;
         } else {
@@ -145,7 +145,7 @@ enum dm2_status socket_listen(const char *address, int port, int *fd, char bound
     if (getsockname(*fd, (struct sockaddr *)&name, &length) != 0)
         (void)snprintf(bound, SOCKET_NAME, "%s:%d", address, port);
     else
-        name_of((struct sockaddr *)&name, length, bound);
+        name_address((struct sockaddr *)&name, length, bound);
     return DM2_OK;
 }
 
@@ -168,7 +168,7 @@ static int is_loopback(const struct sockaddr *address)
 enum dm2_status socket_is_loopback(const char *address, int *loopback, struct dm2_error *err)
 {
     struct addrinfo *found = NULL;
-    enum dm2_status status = resolve(address, 0, AI_PASSIVE, &found, err);
+    enum dm2_status status = resolve_host(address, 0, AI_PASSIVE, &found, err);
     if (status != DM2_OK)
         return status;
     *loopback = 1;
@@ -193,25 +193,25 @@ enum dm2_status socket_accept(int listener, struct deadline until, int *fd, char
             return dm2_fail(err, DM2_NET, "cannot take a connection: %s", strerror(errno));
         return DM2_OK; /* that one is gone already, or there is no descriptor or memory for it now */
     }
-    if (set_up(s) != 0) {
+    if (set_options(s) != 0) {
         socket_close(s);
         return DM2_OK;
     }
-    name_of((struct sockaddr *)&name, length, peer);
+    name_address((struct sockaddr *)&name, length, peer);
     *fd = s;
     return DM2_OK;
 }
 
 /* One address. Returns DM2_OK with *fd >= 0, or with *fd = -1 and *failure = errno; or a deadline's status.
  */
-static enum dm2_status connect_one(const struct addrinfo *a, struct deadline until, int *fd, int *failure,
-                                   struct dm2_error *err)
+static enum dm2_status connect_address(const struct addrinfo *a, struct deadline until, int *fd, int *failure,
+                                       struct dm2_error *err)
 {
     int s = socket(a->ai_family, a->ai_socktype, a->ai_protocol);
     enum dm2_status status = DM2_OK;
     *fd = -1;
     *failure = 0;
-    if (s < 0 || set_up(s) != 0) {
+    if (s < 0 || set_options(s) != 0) {
         *failure = errno;
     } else if (connect(s, a->ai_addr, a->ai_addrlen) != 0) {
         *failure = errno;
@@ -233,13 +233,13 @@ enum dm2_status socket_connect(const char *host, int port, struct deadline until
                                struct dm2_error *err)
 {
     struct addrinfo *found = NULL;
-    enum dm2_status status = resolve(host, port, 0, &found, err);
+    enum dm2_status status = resolve_host(host, port, 0, &found, err);
     int failure = 0;
     *fd = -1;
     if (status != DM2_OK)
         return status;
     for (struct addrinfo *a = found; a != NULL && *fd < 0 && status == DM2_OK; a = a->ai_next)
-        status = connect_one(a, until, fd, &failure, err);
+        status = connect_address(a, until, fd, &failure, err);
     freeaddrinfo(found);
     if (status == DM2_TIMEOUT)
         return dm2_fail(err, DM2_TIMEOUT,

@@ -48,7 +48,7 @@ pid_t __wrap_fork(void);
 
 static long calls;
 
-static int fails(const char *class)
+static int must_fail(const char *class)
 {
     const char *plan = getenv("DM2_FAIL");
     size_t n = strlen(class);
@@ -66,22 +66,22 @@ static int fails(const char *class)
 
 void *__wrap_malloc(size_t n)
 {
-    return fails("memory") ? NULL : __real_malloc(n);
+    return must_fail("memory") ? NULL : __real_malloc(n);
 }
 
 void *__wrap_calloc(size_t n, size_t size)
 {
-    return fails("memory") ? NULL : __real_calloc(n, size);
+    return must_fail("memory") ? NULL : __real_calloc(n, size);
 }
 
 void *__wrap_realloc(void *p, size_t n)
 {
-    return fails("memory") ? NULL : __real_realloc(p, n);
+    return must_fail("memory") ? NULL : __real_realloc(p, n);
 }
 
 int __wrap_posix_memalign(void **p, size_t alignment, size_t n)
 {
-    return fails("memory") ? ENOMEM : __real_posix_memalign(p, alignment, n);
+    return must_fail("memory") ? ENOMEM : __real_posix_memalign(p, alignment, n);
 }
 
 int __wrap_open(const char *path, int flags, ...)
@@ -90,7 +90,7 @@ int __wrap_open(const char *path, int flags, ...)
     va_start(args, flags);
     int mode = (flags & O_CREAT) != 0 ? va_arg(args, int) : 0;
     va_end(args);
-    if (fails("open")) {
+    if (must_fail("open")) {
         errno = EMFILE;
         return -1;
     }
@@ -99,7 +99,7 @@ int __wrap_open(const char *path, int flags, ...)
 
 ssize_t __wrap_write(int fd, const void *data, size_t n)
 {
-    if (fails("write")) {
+    if (must_fail("write")) {
         errno = ENOSPC;
         return -1;
     }
@@ -108,7 +108,7 @@ ssize_t __wrap_write(int fd, const void *data, size_t n)
 
 int __wrap_fsync(int fd)
 {
-    if (fails("fsync")) {
+    if (must_fail("fsync")) {
         errno = EIO;
         return -1;
     }
@@ -117,7 +117,7 @@ int __wrap_fsync(int fd)
 
 int __wrap_rename(const char *from, const char *to)
 {
-    if (fails("rename")) {
+    if (must_fail("rename")) {
         errno = EACCES;
         return -1;
     }
@@ -126,7 +126,7 @@ int __wrap_rename(const char *from, const char *to)
 
 ssize_t __wrap_read(int fd, void *data, size_t n)
 {
-    if (fails("read")) {
+    if (must_fail("read")) {
         errno = EIO;
         return -1;
     }
@@ -135,7 +135,7 @@ ssize_t __wrap_read(int fd, void *data, size_t n)
 
 ssize_t __wrap_writev(int fd, const struct iovec *iov, int n)
 {
-    if (fails("writev")) {
+    if (must_fail("writev")) {
         errno = ECONNRESET;
         return -1;
     }
@@ -144,7 +144,7 @@ ssize_t __wrap_writev(int fd, const struct iovec *iov, int n)
 
 int __wrap_poll(struct pollfd *polls, nfds_t n, int timeout)
 {
-    if (fails("poll")) {
+    if (must_fail("poll")) {
         errno = ENOMEM;
         return -1;
     }
@@ -153,7 +153,7 @@ int __wrap_poll(struct pollfd *polls, nfds_t n, int timeout)
 
 int __wrap_socket(int domain, int type, int protocol)
 {
-    if (fails("socket")) {
+    if (must_fail("socket")) {
         errno = EMFILE;
         return -1;
     }
@@ -162,7 +162,7 @@ int __wrap_socket(int domain, int type, int protocol)
 
 int __wrap_accept(int fd, struct sockaddr *address, socklen_t *length)
 {
-    if (fails("socket")) {
+    if (must_fail("socket")) {
         errno = ECONNABORTED;
         return -1;
     }
@@ -171,7 +171,7 @@ int __wrap_accept(int fd, struct sockaddr *address, socklen_t *length)
 
 int __wrap_connect(int fd, const struct sockaddr *address, socklen_t length)
 {
-    if (fails("socket")) {
+    if (must_fail("socket")) {
         errno = ENETUNREACH;
         return -1;
     }
@@ -180,7 +180,7 @@ int __wrap_connect(int fd, const struct sockaddr *address, socklen_t length)
 
 int __wrap_pipe(int fd[2])
 {
-    if (fails("socket")) {
+    if (must_fail("socket")) {
         errno = EMFILE;
         return -1;
     }
@@ -189,7 +189,7 @@ int __wrap_pipe(int fd[2])
 
 pid_t __wrap_fork(void)
 {
-    if (fails("socket")) {
+    if (must_fail("socket")) {
         errno = EAGAIN;
         return -1;
     }

@@ -46,11 +46,11 @@ static struct {
     bool keyed;
     int ends[CONNECTIONS_MOST]; /* the servers' ends of all connections */
     int n;
-} stage;
+} script;
 
-static struct bytes_reader lines_of(int server)
+static struct bytes_reader script_of(int server)
 {
-    struct bytes_reader r = bytes_reader_of(stage.bytes, stage.length);
+    struct bytes_reader r = bytes_reader_of(script.bytes, script.length);
     while (server > 0 && bytes_remaining(&r) >= 3) {
         uint8_t type = bytes_get_u8(&r);
         uint16_t n = bytes_get_u16(&r);
@@ -59,7 +59,7 @@ static struct bytes_reader lines_of(int server)
         (void)bytes_get_raw(&r, n < bytes_remaining(&r) ? n : bytes_remaining(&r));
     }
     if (server > 0)
-        r = bytes_reader_of(stage.bytes, 0);
+        r = bytes_reader_of(script.bytes, 0);
     return r;
 }
 
@@ -74,11 +74,11 @@ static void put_grant(struct channel *ch, const struct auth_nonces *nonces)
     channel_use_keys(ch, in, out);
 }
 
-static void speak(int fd, int server)
+static void send_script(int fd, int server)
 {
     struct channel ch;
     struct auth_nonces nonces = {{0}, {0}};
-    struct bytes_reader r = lines_of(server);
+    struct bytes_reader r = script_of(server);
     channel_open(&ch, fd, PROTOCOL_VERSION, "the client");
     while (bytes_remaining(&r) >= 3) {
         uint8_t type = bytes_get_u8(&r);
@@ -92,7 +92,7 @@ static void speak(int fd, int server)
             memcpy(nonces.server, payload, AUTH_NONCE);
         if (type == RAW)
             (void)socket_write_all(fd, &part, 1, deadline_in(0, -1), NULL);
-        else if (type == MESSAGE_GRANT && n == 0 && stage.keyed)
+        else if (type == MESSAGE_GRANT && n == 0 && script.keyed)
             put_grant(&ch, &nonces);
         else
             (void)channel_send(&ch, type, 0, payload, n, deadline_in(0, -1), NULL);
@@ -109,12 +109,12 @@ enum dm2_status __wrap_socket_connect(const char *host, int port, struct deadlin
     (void)host;
     (void)until;
     *fd = -1;
-    if (stage.n == CONNECTIONS_MOST || socketpair(AF_UNIX, SOCK_STREAM, 0, pair) != 0)
+    if (script.n == CONNECTIONS_MOST || socketpair(AF_UNIX, SOCK_STREAM, 0, pair) != 0)
         return dm2_fail(err, DM2_NET, "no more");
     (void)fcntl(pair[0], F_SETFL, O_NONBLOCK);
     (void)fcntl(pair[1], F_SETFL, O_NONBLOCK);
-    stage.ends[stage.n++] = pair[1];
-    speak(pair[1], port - 1);
+    script.ends[script.n++] = pair[1];
+    send_script(pair[1], port - 1);
     *fd = pair[0];
     return DM2_OK;
 }
@@ -128,7 +128,7 @@ enum dm2_status __wrap_auth_nonce(unsigned char nonce[AUTH_NONCE], struct dm2_er
 }
 
 /* The deck, made ready once. */
-struct play {
+struct prepared {
     bool ready;
     struct deck_text text;
     struct deck_source source;
@@ -137,9 +137,9 @@ struct play {
     struct decomposition cuts[SERVERS];
 };
 
-static const struct play *rehearsed(void)
+static const struct prepared *prepare_run(void)
 {
-    static struct play p;
+    static struct prepared p;
     static char name[] = "fuzz.dm2", text[sizeof DECK];
     if (p.ready)
         return &p;
@@ -161,9 +161,9 @@ static const struct play *rehearsed(void)
     return &p;
 }
 
-static void run(const struct client_options *options, int ranks)
+static void run_client(const struct client_options *options, int ranks)
 {
-    const struct play *p = rehearsed();
+    const struct prepared *p = prepare_run();
     const uint8_t digest[RESULTS_DIGEST_BYTES] = {0};
     const char *directory = getenv("TMPDIR");
     char path[400];
@@ -188,10 +188,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     struct client_echo echo = {.bytes = sizes, .sizes = 1, .repeats = 2, .budget = 0, .seconds = seconds};
     if (size == 0 || size > MOST)
         return 0;
-    stage.bytes = data + 1;
-    stage.length = size - 1;
-    stage.keyed = (data[0] & 4) != 0;
-    stage.n = 0;
+    script.bytes = data + 1;
+    script.length = size - 1;
+    script.keyed = (data[0] & 4) != 0;
+    script.n = 0;
     socket_ignore_sigpipe();
     const struct client_options options = {.servers = servers,
                                            .recover = (data[0] & 16) != 0,
@@ -201,7 +201,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
                                            .timeout = 1,
                                            .hash_every = 1,
                                            .cancel = -1,
-                                           .key = stage.keyed ? &KEY : NULL,
+                                           .key = script.keyed ? &KEY : NULL,
                                            .echo = (data[0] & 3) == 1 ? &echo : NULL};
     struct report_message status;
     if ((data[0] & 3) == 1)
@@ -209,8 +209,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     else if ((data[0] & 3) == 2)
         (void)inquiry_ask(&servers[0], options.key, 1, -1, &status, NULL);
     else
-        run(&options, (data[0] & 8) != 0 ? 2 : 1);
-    while (stage.n > 0)
-        (void)close(stage.ends[--stage.n]);
+        run_client(&options, (data[0] & 8) != 0 ? 2 : 1);
+    while (script.n > 0)
+        (void)close(script.ends[--script.n]);
     return 0;
 }

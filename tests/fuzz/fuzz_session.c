@@ -18,7 +18,7 @@ enum { MOST = 60000 }; /* fits into the socket's buffer */
 
 /* The frames among the bytes, and what is left of them. A proof that begins with a 0 becomes the right one,
  * and the frames behind it get tags. */
-static void speak(int fd, const unsigned char *bytes, size_t n, const struct auth_key *key)
+static void send_frames(int fd, const unsigned char *bytes, size_t n, const struct auth_key *key)
 {
     struct channel ch;
     struct frame_header h;
@@ -66,7 +66,7 @@ enum dm2_status __wrap_auth_nonce(unsigned char nonce[AUTH_NONCE], struct dm2_er
 }
 
 /* A server that is busy looks at what has come; takes fd over. */
-static void stand_outside(int fd, const struct server_options *options)
+static void visit_lobby(int fd, const struct server_options *options)
 {
     struct lobby lobby;
     const struct session_summary session = {.deck = "a deck", .rank = 1, .ranks = 2, .steps = 3};
@@ -97,9 +97,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     socket_ignore_sigpipe();
     (void)fcntl(fd[0], F_SETFL, O_NONBLOCK);
     (void)fcntl(fd[1], F_SETFL, O_NONBLOCK);
-    speak(fd[1], data + 1, size - 1, options.key);
+    send_frames(fd[1], data + 1, size - 1, options.key);
     if (data[0] / 2 % 2 == 1) {
-        stand_outside(fd[0], &options);
+        visit_lobby(fd[0], &options);
     } else {
         (void)shutdown(fd[1], SHUT_WR);
         (void)server_session(fd[0], "fuzz", &options, &summary, &err);

@@ -15,7 +15,7 @@ enum { MOST = 1 << 20 };
 static unsigned char changed[2 * MOST];
 
 /* One change; returns the new length. */
-static size_t change(size_t n, uint64_t file, uint64_t k)
+static size_t change_bytes(size_t n, uint64_t file, uint64_t k)
 {
     size_t at = n > 0 ? random_bits(file, k, 1) % n : 0, span = 1 + random_bits(file, k, 2) % 16;
     unsigned char byte = (unsigned char)random_bits(file, k, 3);
@@ -57,7 +57,7 @@ int main(int argc, char **argv)
             size_t now = n;
             memcpy(changed, bytes, n);
             for (uint64_t c = 0; c <= random_bits((uint64_t)a, (uint64_t)k, 5) % 8; c++)
-                now = change(now, (uint64_t)a, 8 * (uint64_t)k + c);
+                now = change_bytes(now, (uint64_t)a, 8 * (uint64_t)k + c);
             (void)LLVMFuzzerTestOneInput(changed, now);
             runs++;
         }

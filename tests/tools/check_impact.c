@@ -11,14 +11,14 @@ enum { ROWS = 31, FLYER_ROWS = 9, ELEMENTS = 1689, STEPS = 200 };
 
 static const char *directory;
 
-static const char *path_of(const char *name)
+static const char *name_file(const char *name)
 {
     static char path[1000];
     snprintf(path, sizeof path, "%s/%s", directory, name);
     return path;
 }
 
-static void must(enum dm2_status status, const struct dm2_error *err)
+static void require_ok(enum dm2_status status, const struct dm2_error *err)
 {
     if (status != DM2_OK) {
         printf("%s\n", err->text);
@@ -26,13 +26,13 @@ static void must(enum dm2_status status, const struct dm2_error *err)
     }
 }
 
-static double *column(const struct csv *history, const char *name)
+static double *read_column(const struct csv *history, const char *name)
 {
     struct dm2_error err = {0};
     size_t at;
     double *numbers;
-    must(csv_column(history, name, &at, &err), &err);
-    must(csv_numbers(history, at, &numbers, &err), &err);
+    require_ok(csv_column(history, name, &at, &err), &err);
+    require_ok(csv_numbers(history, at, &numbers, &err), &err);
     return numbers;
 }
 
@@ -40,10 +40,11 @@ static void check_history(void)
 {
     struct dm2_error err = {0};
     struct csv h;
-    must(csv_read(path_of("history.csv"), &h, &err), &err);
-    double *elements = column(&h, "elements"), *total = column(&h, "total"), *px = column(&h, "momentum_x"),
-           *py = column(&h, "momentum_y"), *surface = column(&h, "free_surface_vy"),
-           *flyer = column(&h, "flyer_vy"), *target = column(&h, "target_vy");
+    require_ok(csv_read(name_file("history.csv"), &h, &err), &err);
+    double *elements = read_column(&h, "elements"), *total = read_column(&h, "total"),
+           *px = read_column(&h, "momentum_x"), *py = read_column(&h, "momentum_y"),
+           *surface = read_column(&h, "free_surface_vy"), *flyer = read_column(&h, "flyer_vy"),
+           *target = read_column(&h, "target_vy");
     double peak = 0.0, energy = 0.0, momentum = 0.0;
     size_t last = h.n_rows - 1;
     CHECK_EQ_INT(h.n_rows, STEPS + 1);
@@ -74,8 +75,8 @@ static void check_rows(void)
 {
     struct dm2_error err = {0};
     struct vtp start, end;
-    must(vtp_read(path_of("snapshots/state-000000000.vtp"), &start, &err), &err);
-    must(vtp_read(path_of("snapshots/state-000000200.vtp"), &end, &err), &err);
+    require_ok(vtp_read(name_file("snapshots/state-000000000.vtp"), &start, &err), &err);
+    require_ok(vtp_read(name_file("snapshots/state-000000200.vtp"), &end, &err), &err);
     CHECK_EQ_INT(start.n_points, ELEMENTS);
     CHECK_EQ_INT(end.n_points, ELEMENTS);
     const struct vtp_array *links = vtp_find(&end, "PointData", "links");
@@ -113,7 +114,7 @@ static void check_final(void)
 {
     struct dm2_error err = {0};
     struct state s;
-    must(state_read(path_of("final.dm2"), &s, &err), &err);
+    require_ok(state_read(name_file("final.dm2"), &s, &err), &err);
     CHECK_EQ_INT(s.step, STEPS);
     CHECK_EQ_INT(s.n_elements, ELEMENTS);
     size_t outside = 0, stretched = 0;

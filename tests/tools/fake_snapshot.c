@@ -9,7 +9,7 @@
 #include "../unit/fake_state.h"
 #include "output/snapshot.h"
 
-static void shape(struct fake *f, size_t columns, size_t rows)
+static void shape_plates(struct fake *f, size_t columns, size_t rows)
 {
     double height = 0.034641 * (double)rows, width = 0.04 * (double)columns;
     for (size_t i = 0; i < f->n; i++) {
@@ -46,7 +46,7 @@ int main(int argc, char **argv)
         return 2;
     }
     fake_make(&f, columns, rows);
-    shape(&f, columns, rows);
+    shape_plates(&f, columns, rows);
     uint32_t *fragment = calloc(f.n, sizeof *fragment);
     if (fragment == NULL)
         return 1;

@@ -76,7 +76,7 @@ static void open_pipe(int fd[2])
 
 /* Starts a program: `in` and `out` are descriptors or -1, `err` a file to append to, `life` is kept open as
  * descriptor 3 until it ends (-1: not). */
-static pid_t start(const char **argv, int in, int out, const char *err, int life)
+static pid_t start_program(const char **argv, int in, int out, const char *err, int life)
 {
     pid_t pid = fork();
     if (pid < 0)
@@ -116,7 +116,7 @@ static void start_server(bool keyed, int k)
     const char *argv[] = {path,  "--port", port, "--timeout", client_timeout, keyed ? "--key" : NULL,
                           "key", NULL};
     open_pipe(out);
-    s->pid = start(argv, -1, out[1], log, -1);
+    s->pid = start_program(argv, -1, out[1], log, -1);
     (void)close(out[1]);
     if (!read_line(out[0], line) || strrchr(line, ':') == NULL)
         die("a server did not start");
@@ -125,12 +125,12 @@ static void start_server(bool keyed, int k)
 }
 
 /* Runs a program to its end; false: it had to be killed at its deadline. */
-static bool run(const char **argv, const char *err, double seconds, int *status)
+static bool run_program(const char **argv, const char *err, double seconds, int *status)
 {
     int life[2];
     double end = clock_now() + seconds;
     open_pipe(life);
-    pid_t pid = start(argv, -1, -1, err, life[1]);
+    pid_t pid = start_program(argv, -1, -1, err, life[1]);
     (void)close(life[1]);
     struct pollfd p = {.fd = life[0], .events = POLLIN};
     while (poll(&p, 1, end > clock_now() ? (int)(1000 * (end - clock_now())) + 1 : 0) < 0 && errno == EINTR)
@@ -182,51 +182,54 @@ static void remove_run(void)
 {
     const char *argv[] = {"/bin/rm", "-rf", "run", "health", "err", "err.more", NULL};
     int status;
-    (void)run(argv, "faults.log", 10, &status);
+    (void)run_program(argv, "faults.log", 10, &status);
 }
 
 /* --- one run --- */
 
-static uint64_t draw(const struct trial *t, uint64_t which, uint64_t below)
+static uint64_t draw_number(const struct trial *t, uint64_t which, uint64_t below)
 {
     return random_bits(t->seed, which, 1001) % below;
 }
 
-static unsigned long argument(const struct trial *t, const char *kind, uint64_t which)
+static unsigned long fault_argument(const struct trial *t, const char *kind, uint64_t which)
 {
     double ms = 1000 * strtod(client_timeout, NULL);
     if (strcmp(kind, "delay") == 0)
-        return 20 + draw(t, which, (uint64_t)(0.4 * ms));
+        return 20 + draw_number(t, which, (uint64_t)(0.4 * ms));
     if (strncmp(kind, "stop", 4) == 0) /* half of them longer than the patience of the other end */
-        return 20 + draw(t, which, 2) * (unsigned long)(1.5 * ms) + draw(t, which + 1, (uint64_t)(0.4 * ms));
+        return 20 + draw_number(t, which, 2) * (unsigned long)(1.5 * ms) +
+               draw_number(t, which + 1, (uint64_t)(0.4 * ms));
     if (strcmp(kind, "slices") == 0)
-        return 100 + draw(t, which, 3000);
-    return 1 + draw(t, which, 100);
+        return 100 + draw_number(t, which, 3000);
+    return 1 + draw_number(t, which, 100);
 }
 
-static void choose(struct trial *t, uint64_t seed)
+static void choose_trial(struct trial *t, uint64_t seed)
 {
     *t = (struct trial){.seed = seed};
-    t->servers = 2 + (int)draw(t, 1, SERVERS - 1);
-    t->keyed = draw(t, 2, 2) == 1;
-    t->revive = draw(t, 3, 2) == 1;
-    t->local = draw(t, 4, 2) == 1;
-    t->n_faults = draw(t, 5, 10) < 6 ? 1 : 2 + (int)draw(t, 6, MOST_FAULTS - 1);
+    t->servers = 2 + (int)draw_number(t, 1, SERVERS - 1);
+    t->keyed = draw_number(t, 2, 2) == 1;
+    t->revive = draw_number(t, 3, 2) == 1;
+    t->local = draw_number(t, 4, 2) == 1;
+    t->n_faults = draw_number(t, 5, 10) < 6 ? 1 : 2 + (int)draw_number(t, 6, MOST_FAULTS - 1);
     for (int k = 0; k < t->n_faults; k++) {
         uint64_t at = 100 * (k + 1);
-        const char *kind = KIND[k == 0 ? seed % KINDS : draw(t, at, KINDS)];
-        bool up = draw(t, at + 1, 2) == 1, boundary = draw(t, at + 2, 3) == 0;
+        const char *kind = KIND[k == 0 ? seed % KINDS : draw_number(t, at, KINDS)];
+        bool up = draw_number(t, at + 1, 2) == 1, boundary = draw_number(t, at + 2, 3) == 0;
         /* the first mostly in the steps, one in six before them; others soon after it */
-        bool stepping = k == 0 && draw(t, at + 3, 6) > 0;
-        int frame = stepping ? 45 + (int)draw(t, at + 5, 95) : (int)draw(t, at + 5, k == 0 ? 50 : 12);
+        bool stepping = k == 0 && draw_number(t, at + 3, 6) > 0;
+        int frame =
+            stepping ? 45 + (int)draw_number(t, at + 5, 95) : (int)draw_number(t, at + 5, k == 0 ? 50 : 12);
         (void)snprintf(t->fault[k], sizeof t->fault[k], "%s,%d,%s,%d,%lu,%lu", kind,
-                       (int)draw(t, at + 4, (uint64_t)t->servers), up ? "up" : "down", frame,
-                       boundary ? 0UL : (unsigned long)draw(t, at + 6, 100000), argument(t, kind, at + 7));
+                       (int)draw_number(t, at + 4, (uint64_t)t->servers), up ? "up" : "down", frame,
+                       boundary ? 0UL : (unsigned long)draw_number(t, at + 6, 100000),
+                       fault_argument(t, kind, at + 7));
     }
 }
 
 /* Keeps what the proxy says has happened; a server that was killed may come back. */
-static void note(struct trial *t, const char *line, int proxy_in)
+static void note_injection(struct trial *t, const char *line, int proxy_in)
 {
     char kind[16] = {0}, text[40];
     int k = 0;
@@ -280,7 +283,7 @@ static pid_t start_proxy(struct trial *t, int *in, int *out, char line[LINE])
     }
     open_pipe(to);
     open_pipe(from);
-    pid_t pid = start(argv, to[0], from[1], "proxy.log", -1);
+    pid_t pid = start_program(argv, to[0], from[1], "proxy.log", -1);
     (void)close(to[0]);
     (void)close(from[1]);
     *in = to[1];
@@ -306,7 +309,7 @@ static bool run_client(struct trial *t, int *status)
     (void)snprintf(path, sizeof path, "%s/dm2-client", bin);
     while (argv[n] != NULL)
         n++;
-    if (draw(t, 7, 2) == 1) {
+    if (draw_number(t, 7, 2) == 1) {
         argv[n++] = "--checkpoint-every";
         argv[n++] = "11";
     }
@@ -318,7 +321,7 @@ static bool run_client(struct trial *t, int *status)
     (void)server_options(line, argv, n, text);
     open_pipe(life);
     double end = clock_now() + deadline;
-    pid_t client = start(argv, -1, -1, "err", life[1]);
+    pid_t client = start_program(argv, -1, -1, "err", life[1]);
     (void)close(life[1]);
     int length = snprintf(who, sizeof who, "%d %ld\n", SERVERS, (long)client);
     if (write(in, who, (size_t)length) != length)
@@ -330,7 +333,7 @@ static bool run_client(struct trial *t, int *status)
         if (p[1].revents != 0 && !read_line(out, line))
             die("the proxy ended");
         if (p[1].revents != 0)
-            note(t, line, in);
+            note_injection(t, line, in);
         ended = p[0].revents != 0;
     }
     if (!ended) {
@@ -340,7 +343,7 @@ static bool run_client(struct trial *t, int *status)
     (void)waitpid(client, status, 0);
     (void)close(in);
     while (read_line(out, line))
-        note(t, line, -1);
+        note_injection(t, line, -1);
     (void)waitpid(proxy, NULL, 0);
     (void)close(out);
     (void)close(life[0]);
@@ -349,7 +352,7 @@ static bool run_client(struct trial *t, int *status)
 
 /* --- the judgement --- */
 
-static enum outcome failed(struct trial *t, const char *why)
+static enum outcome judge_failed(struct trial *t, const char *why)
 {
     (void)snprintf(t->why, sizeof t->why, "%s", why);
     return FAILED;
@@ -379,7 +382,7 @@ static bool same_results(bool early)
 }
 
 /* A run that did not come to its end: is what it left whole, and does it lead on? */
-static enum outcome judge_rest(struct trial *t)
+static enum outcome judge_checkpoint(struct trial *t)
 {
     char path[TEXT];
     int status;
@@ -387,30 +390,35 @@ static enum outcome judge_rest(struct trial *t)
     const char *local[] = {path, "deck.dm2", "-q", "--restart", "run/checkpoint.dm2", "-n", "3", NULL};
     const char *alone[] = {path, "deck.dm2", "-q", "--restart", "run/checkpoint.dm2", NULL};
     if (!same_results(true))
-        return failed(t, "it ended early, and left a result under its final name that is not the result");
+        return judge_failed(t,
+                            "it ended early, and left a result under its final name that is not the result");
     if (!is_there("run/checkpoint.dm2"))
-        return is_there("run/checkpoint.prev.dm2") ? failed(t, "the newest checkpoint is missing") : ENDED;
-    if (!run(t->local ? local : alone, "err.more", deadline, &status) || status != 0)
-        return failed(t, "the restart from the checkpoint failed");
-    return same_results(false) ? CONTINUED : failed(t, "the restart from the checkpoint gave other results");
+        return is_there("run/checkpoint.prev.dm2") ? judge_failed(t, "the newest checkpoint is missing")
+                                                   : ENDED;
+    if (!run_program(t->local ? local : alone, "err.more", deadline, &status) || status != 0)
+        return judge_failed(t, "the restart from the checkpoint failed");
+    return same_results(false) ? CONTINUED
+                               : judge_failed(t, "the restart from the checkpoint gave other results");
 }
 
-static enum outcome judge(struct trial *t, bool ended, int status)
+static enum outcome judge_run(struct trial *t, bool ended, int status)
 {
     if (!ended)
-        return failed(t, "it did not end before its deadline");
+        return judge_failed(t, "it did not end before its deadline");
     if (has_text("err", "Sanitizer") || has_text("err", "runtime error"))
-        return failed(t, "a sanitizer reported");
+        return judge_failed(t, "a sanitizer reported");
     if (WIFSIGNALED(status))
-        return WTERMSIG(status) == SIGKILL && t->client_killed ? judge_rest(t) : failed(t, "it crashed");
+        return WTERMSIG(status) == SIGKILL && t->client_killed ? judge_checkpoint(t)
+                                                               : judge_failed(t, "it crashed");
     if (WEXITSTATUS(status) == 0)
-        return same_results(false) ? SAME : failed(t, "its results are not those of the sequential run");
+        return same_results(false) ? SAME
+                                   : judge_failed(t, "its results are not those of the sequential run");
     if (WEXITSTATUS(status) > 3 || !has_text("err", "dm2-client: "))
-        return failed(t, "it ended without a sentence");
+        return judge_failed(t, "it ended without a sentence");
     /* of the first session alone: set-ups of later ones are told with the step to go on from */
     if (!has_text("err", "before the first step") && !has_text("err", "no server is left"))
-        return failed(t, "it gave up while servers were left");
-    return judge_rest(t);
+        return judge_failed(t, "it gave up while servers were left");
+    return judge_checkpoint(t);
 }
 
 /* Are all servers alive that were not killed, and do all serve another client? */
@@ -431,22 +439,22 @@ static enum outcome judge_servers(struct trial *t, enum outcome so_far)
         struct server *s = &pool[t->keyed][k];
         if (s->pid > 0 && waitpid(s->pid, &status, WNOHANG) == s->pid) {
             s->pid = 0;
-            so_far = failed(t, "a server crashed");
+            so_far = judge_failed(t, "a server crashed");
         }
         if (s->pid == 0)
             start_server(t->keyed, k);
         (void)snprintf(line + strlen(line), sizeof line - strlen(line), "%d ", s->port);
     }
     (void)server_options(line, argv, n, text);
-    if (so_far != FAILED && (!run(argv, "err.more", deadline, &status) || status != 0))
-        so_far = failed(t, "its servers do not serve the next client");
+    if (so_far != FAILED && (!run_program(argv, "err.more", deadline, &status) || status != 0))
+        so_far = judge_failed(t, "its servers do not serve the next client");
     return so_far;
 }
 
 static enum outcome try_seed(struct trial *t, uint64_t seed)
 {
     int status = 0;
-    choose(t, seed);
+    choose_trial(t, seed);
     for (int k = 0; k < t->servers; k++)
         if (pool[t->keyed][k].pid == 0)
             start_server(t->keyed, k);
@@ -454,7 +462,7 @@ static enum outcome try_seed(struct trial *t, uint64_t seed)
     double begun = clock_now();
     bool ended = run_client(t, &status);
     double took = clock_now() - begun;
-    enum outcome o = judge_servers(t, judge(t, ended, status));
+    enum outcome o = judge_servers(t, judge_run(t, ended, status));
     for (int k = 0; k < t->n_injected; k++)
         table[t->injected[k]][o]++;
     static const char *const NAME[OUTCOMES] = {"same", "continued", "ended", "FAILED"};
@@ -468,7 +476,7 @@ static enum outcome try_seed(struct trial *t, uint64_t seed)
 }
 
 /* What is left of a failure stays. */
-static void keep(uint64_t seed)
+static void keep_run(uint64_t seed)
 {
     char name[64];
     (void)snprintf(name, sizeof name, "failed-%llu", (unsigned long long)seed);
@@ -492,7 +500,7 @@ static void stop_servers(void)
     }
 }
 
-static bool every_kind(void)
+static bool all_kinds_seen(void)
 {
     for (int k = 0; k < KINDS; k++)
         if (table[k][SAME] + table[k][CONTINUED] + table[k][ENDED] + table[k][FAILED] == 0)
@@ -532,11 +540,11 @@ int main(int argc, char **argv)
     int runs = 0, injected = 0, failures = 0;
     (void)snprintf(client_timeout, sizeof client_timeout, "%.20s", argv[4]);
     deadline = DEADLINE / 1.5 * strtod(client_timeout, NULL);
-    for (; runs < most && (injected < wanted || !every_kind()); runs++, seed++) {
+    for (; runs < most && (injected < wanted || !all_kinds_seen()); runs++, seed++) {
         struct trial t;
         if (try_seed(&t, seed) == FAILED) {
             failures++;
-            keep(seed);
+            keep_run(seed);
         }
         injected += t.n_injected;
     }

@@ -95,7 +95,7 @@ static void die(const char *what)
     exit(2);
 }
 
-static void append(struct store *s, const void *data, size_t n)
+static void append_bytes(struct store *s, const void *data, size_t n)
 {
     if (s->n + n > s->cap) {
         s->cap = 2 * (s->n + n);
@@ -108,7 +108,7 @@ static void append(struct store *s, const void *data, size_t n)
     s->n += n;
 }
 
-static struct sockaddr_in here(int port)
+static struct sockaddr_in local_address(int port)
 {
     struct sockaddr_in a;
     memset(&a, 0, sizeof a);
@@ -118,7 +118,7 @@ static struct sockaddr_in here(int port)
     return a;
 }
 
-static void set_up(int fd)
+static void set_options(int fd)
 {
     int on = 1;
     (void)fcntl(fd, F_SETFL, O_NONBLOCK);
@@ -126,7 +126,7 @@ static void set_up(int fd)
 }
 
 /* Writes what goes; false: the connection is gone. */
-static bool flush(struct conn *c, struct stream *s)
+static bool flush_stream(struct conn *c, struct stream *s)
 {
     int fd = c->fd[s->direction];
     while (s->out.n > 0 && fd >= 0 && clock_now() >= s->held) {
@@ -163,7 +163,7 @@ static void close_conn(struct conn *c, bool reset)
     *c = (struct conn){0};
 }
 
-static void tell(const struct fault *f, const struct stream *s)
+static void print_fault(const struct fault *f, const struct stream *s)
 {
     (void)printf("injected %s: server %d, %s, type %d, %zu bytes\n", f->kind, f->server,
                  s->direction ? "up" : "down", s->head[6], s->total);
@@ -171,7 +171,7 @@ static void tell(const struct fault *f, const struct stream *s)
 }
 
 /* Reads one line of standard input; false: there is none any more. */
-static bool learn_pid(void)
+static bool read_pid(void)
 {
     char line[32] = {0};
     size_t k = 0;
@@ -190,7 +190,7 @@ static bool send_signal(const struct fault *f)
 {
     bool client = strstr(f->kind, "-client") != NULL, stop = strncmp(f->kind, "stop", 4) == 0;
     int who = client ? SERVERS : f->server;
-    while (pids[who] == 0 && learn_pid())
+    while (pids[who] == 0 && read_pid())
         continue;
     if (pids[who] <= 1 || kill(pids[who], stop ? SIGSTOP : SIGKILL) != 0)
         return false;
@@ -204,7 +204,7 @@ static bool send_signal(const struct fault *f)
 }
 
 /* One element too many, the checksum made anew. */
-static bool miscount(unsigned char *frame, size_t n)
+static bool miscount_elements(unsigned char *frame, size_t n)
 {
     if (frame[6] != STEP || n < HEADER + OWNED_AT + 8)
         return false;
@@ -216,46 +216,46 @@ static bool miscount(unsigned char *frame, size_t n)
 }
 
 /* The frame is here: the fault happens, what is left goes on. False: the frame did not suit it. */
-static bool inject(struct conn *c, struct stream *s, const struct fault *f)
+static bool inject_fault(struct conn *c, struct stream *s, const struct fault *f)
 {
     unsigned char *d = s->frame.data;
     size_t n = s->frame.n, at = f->byte % n, some = f->arg < n - at ? f->arg : n - at, half = (n - at) / 2;
     const char *k = f->kind;
     if (strncmp(k, "kill", 4) == 0 || strncmp(k, "stop", 4) == 0) {
-        append(&s->out, d, n);
+        append_bytes(&s->out, d, n);
         return send_signal(f);
     } else if (strcmp(k, "flip") == 0) {
         d[at] ^= (unsigned char)(1u << f->arg % 8);
-        append(&s->out, d, n);
+        append_bytes(&s->out, d, n);
     } else if (strcmp(k, "drop") == 0) {
-        append(&s->out, d, at);
-        append(&s->out, d + at + some, n - at - some);
+        append_bytes(&s->out, d, at);
+        append_bytes(&s->out, d + at + some, n - at - some);
     } else if (strcmp(k, "double") == 0) {
-        append(&s->out, d, at == 0 ? n : at + some);
-        append(&s->out, d + at, n - at);
+        append_bytes(&s->out, d, at == 0 ? n : at + some);
+        append_bytes(&s->out, d + at, n - at);
     } else if (strcmp(k, "swap") == 0 && at == 0) {
-        append(&s->later, d, n);
+        append_bytes(&s->later, d, n);
     } else if (strcmp(k, "swap") == 0) {
         if (memcmp(d + at, d + n - half, half) == 0) {
-            append(&s->out, d, n);
+            append_bytes(&s->out, d, n);
             return false;
         }
-        append(&s->out, d, at);
-        append(&s->out, d + n - half, half);
-        append(&s->out, d + at, n - at - half);
+        append_bytes(&s->out, d, at);
+        append_bytes(&s->out, d + n - half, half);
+        append_bytes(&s->out, d + at, n - at - half);
     } else if (strcmp(k, "slices") == 0) {
-        append(&s->out, d, n);
+        append_bytes(&s->out, d, n);
         s->slices = f->arg;
     } else if (strcmp(k, "miscount") == 0) {
-        bool done = miscount(d, n);
-        append(&s->out, d, n);
+        bool done = miscount_elements(d, n);
+        append_bytes(&s->out, d, n);
         return done;
     } else {
-        append(&s->out, d, at);
-        (void)flush(c, s);
+        append_bytes(&s->out, d, at);
+        (void)flush_stream(c, s);
         if (strcmp(k, "delay") == 0) {
             s->held = clock_now() + 1e-3 * (double)f->arg;
-            append(&s->out, d + at, n - at);
+            append_bytes(&s->out, d + at, n - at);
         } else if (strcmp(k, "silence") == 0) {
             for (int i = 0; i < 2; i++)
                 c->stream[i].held = 1e300;
@@ -269,18 +269,18 @@ static bool inject(struct conn *c, struct stream *s, const struct fault *f)
 }
 
 /* A frame of which a fault was to come has come whole. */
-static void frame_done(struct conn *c, struct stream *s)
+static void finish_frame(struct conn *c, struct stream *s)
 {
     const struct fault *f = &faults[s->fault];
     s->fault = -1;
-    if (!inject(c, s, f)) {
+    if (!inject_fault(c, s, f)) {
         counts[s->server][s->direction] = f->frame; /* the next one, perhaps */
     } else {
-        tell(f, s);
+        print_fault(f, s);
         next_fault++;
         memset(counts, 0, sizeof counts);
         if (c->dead) {
-            (void)flush(c, s);
+            (void)flush_stream(c, s);
             bool reset = strcmp(f->kind, "reset") == 0;
             close_conn(c, reset);
             return;
@@ -290,7 +290,7 @@ static void frame_done(struct conn *c, struct stream *s)
 }
 
 /* A header is complete: does a fault wait for this frame? */
-static void frame_starts(struct stream *s)
+static void start_frame(struct stream *s)
 {
     s->total = HEADER + (s->keyed ? TAG : 0);
     for (int k = 0; k < 4; k++)
@@ -305,7 +305,7 @@ static void frame_starts(struct stream *s)
 }
 
 /* Bytes came in. */
-static void feed(struct conn *c, struct stream *s, const unsigned char *data, size_t n)
+static void feed_stream(struct conn *c, struct stream *s, const unsigned char *data, size_t n)
 {
     while (n > 0 && c->used && !s->deaf) {
         size_t k = 0;
@@ -315,11 +315,11 @@ static void feed(struct conn *c, struct stream *s, const unsigned char *data, si
             s->have += k;
             if (s->have < HEADER)
                 return;
-            frame_starts(s);
-            append(s->fault >= 0 ? &s->frame : &s->out, s->head, HEADER);
+            start_frame(s);
+            append_bytes(s->fault >= 0 ? &s->frame : &s->out, s->head, HEADER);
         } else {
             k = s->total - s->have < n ? s->total - s->have : n;
-            append(s->fault >= 0 ? &s->frame : &s->out, data, k);
+            append_bytes(s->fault >= 0 ? &s->frame : &s->out, data, k);
             s->have += k;
         }
         data += k;
@@ -328,9 +328,9 @@ static void feed(struct conn *c, struct stream *s, const unsigned char *data, si
             continue;
         s->have = 0;
         if (s->fault >= 0) {
-            frame_done(c, s);
+            finish_frame(c, s);
         } else if (s->later.n > 0) {
-            append(&s->out, s->later.data, s->later.n);
+            append_bytes(&s->out, s->later.data, s->later.n);
             s->later.n = 0;
         }
     }
@@ -346,7 +346,7 @@ static void take_connection(int server)
         *c = (struct conn){.used = true, .fd = {fd, -1}, .give_up = clock_now() + 1};
         for (int d = 0; d < 2; d++)
             c->stream[d] = (struct stream){.server = server, .direction = d, .fault = -1};
-        set_up(fd);
+        set_options(fd);
         return;
     }
     if (fd >= 0)
@@ -356,10 +356,10 @@ static void take_connection(int server)
 /* The server's side, which may be on its way back. */
 static void try_server(struct conn *c)
 {
-    struct sockaddr_in a = here(ports[c->stream[0].server]);
+    struct sockaddr_in a = local_address(ports[c->stream[0].server]);
     int fd = socket(AF_INET, SOCK_STREAM, 0);
     if (fd >= 0 && connect(fd, (struct sockaddr *)&a, sizeof a) == 0) {
-        set_up(fd);
+        set_options(fd);
         c->fd[1] = fd;
         return;
     }
@@ -371,25 +371,25 @@ static void try_server(struct conn *c)
 }
 
 /* Reads one direction and passes on what it can. */
-static void serve(struct conn *c, struct stream *s, bool readable)
+static void serve_stream(struct conn *c, struct stream *s, bool readable)
 {
     static unsigned char chunk[CHUNK];
     int from = c->fd[1 - s->direction];
     if (readable && !s->eof) {
         ssize_t k = read(from, chunk, sizeof chunk);
         if (k > 0) {
-            feed(c, s, chunk, (size_t)k);
+            feed_stream(c, s, chunk, (size_t)k);
         } else if (k == 0) {
-            append(&s->out, s->head, s->have < HEADER ? s->have : 0);
-            append(&s->out, s->frame.data, s->frame.n);
-            append(&s->out, s->later.data, s->later.n);
+            append_bytes(&s->out, s->head, s->have < HEADER ? s->have : 0);
+            append_bytes(&s->out, s->frame.data, s->frame.n);
+            append_bytes(&s->out, s->later.data, s->later.n);
             s->eof = s->ended = true;
         } else if (errno != EAGAIN && errno != EINTR) {
             close_conn(c, true);
             return;
         }
     }
-    if (c->used && !flush(c, s))
+    if (c->used && !flush_stream(c, s))
         close_conn(c, true);
     else if (c->used && c->stream[0].shut && c->stream[1].shut)
         close_conn(c, false);
@@ -405,7 +405,7 @@ static void wake_sleepers(bool all)
 }
 
 /* One turn of the loop; false: standard input has ended. */
-static bool turn(void)
+static bool poll_once(void)
 {
     struct pollfd p[1 + SERVERS + 2 * CONNS];
     bool readable[2 * CONNS] = {0};
@@ -445,11 +445,11 @@ static bool turn(void)
             continue;
         }
         for (int d = 0; d < 2 && c->used && c->fd[1] >= 0; d++)
-            serve(c, &c->stream[d], readable[2 * k + 1 - d]);
+            serve_stream(c, &c->stream[d], readable[2 * k + 1 - d]);
     }
     if (p[0].revents == 0)
         return true;
-    return learn_pid();
+    return read_pid();
 }
 
 static void read_options(int argc, char **argv)
@@ -480,7 +480,7 @@ int main(int argc, char **argv)
     (void)sigaction(SIGPIPE, &ignore, NULL);
     read_options(argc, argv);
     for (int k = 0; k < n_servers; k++) {
-        struct sockaddr_in a = here(0);
+        struct sockaddr_in a = local_address(0);
         socklen_t length = sizeof a;
         listeners[k] = socket(AF_INET, SOCK_STREAM, 0);
         if (listeners[k] < 0 || bind(listeners[k], (struct sockaddr *)&a, sizeof a) != 0 ||
@@ -491,7 +491,7 @@ int main(int argc, char **argv)
     }
     (void)printf("\n");
     (void)fflush(stdout);
-    while (turn())
+    while (poll_once())
         continue;
     wake_sleepers(true);
     return 0;

@@ -27,14 +27,14 @@
 
 static volatile sig_atomic_t stop_signal;
 
-static void on_signal(int number)
+static void note_signal(int number)
 {
     if (number != SIGCHLD)
         stop_signal = number;
 }
 
 /* In the child: becomes the test. */
-static void become(const char *log, char **command, const sigset_t *mask)
+static void exec_test(const char *log, char **command, const sigset_t *mask)
 {
     static const int reset[] = {SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGCHLD, SIGPIPE};
     struct rlimit core = {0, 0};
@@ -62,7 +62,7 @@ static void become(const char *log, char **command, const sigset_t *mask)
 /* Waits until the child has ended or the deadline or a signal to this program has come. True: it has ended.
  * It is not reaped yet: its id stays taken, so that its group can still be killed without hitting a stranger.
  */
-static bool wait_until(pid_t child, double deadline, const sigset_t *unblocked, pid_t parent)
+static bool wait_for_child(pid_t child, double deadline, const sigset_t *unblocked, pid_t parent)
 {
     for (;;) {
         siginfo_t info;
@@ -91,7 +91,7 @@ int main(int argc, char **argv)
     struct sigaction action;
     sigset_t blocked, before, unblocked;
     memset(&action, 0, sizeof action);
-    action.sa_handler = on_signal;
+    action.sa_handler = note_signal;
     sigemptyset(&action.sa_mask);
     sigemptyset(&blocked);
     sigprocmask(SIG_BLOCK, NULL, &unblocked);
@@ -108,17 +108,17 @@ int main(int argc, char **argv)
     int code = 0, status = 0;
     pid_t child = fork();
     if (child == 0)
-        become(argv[3], argv + 4, &before);
+        exec_test(argv[3], argv + 4, &before);
     if (child < 0) {
         code = errno;
     } else {
         setpgid(child, child); /* also here: whoever comes first */
-        bool in_time = wait_until(child, start + limit, &unblocked, parent);
+        bool in_time = wait_for_child(child, start + limit, &unblocked, parent);
         if (!in_time) {
             kill(-child, SIGTERM);
             kill(-child, SIGCONT);
             stop_signal = 0;
-            wait_until(child, clock_now() + 2, &unblocked, getppid());
+            wait_for_child(child, clock_now() + 2, &unblocked, getppid());
         }
         kill(-child, SIGKILL);
         waitpid(child, &status, 0);

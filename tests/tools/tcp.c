@@ -35,7 +35,7 @@ static void send_input(int fd)
 }
 
 /* Prints what comes until the other end closes. */
-static void print_rest(int fd)
+static void print_received(int fd)
 {
     char buffer[4096];
     size_t got = 0;
@@ -46,7 +46,7 @@ static void print_rest(int fd)
 }
 
 /* Sends back what comes until the other end closes. */
-static void reflect(int fd)
+static void send_back(int fd)
 {
     char buffer[4096];
     size_t got = 0;
@@ -59,7 +59,7 @@ static void reflect(int fd)
     }
 }
 
-static int answer(bool mirror)
+static int serve_connection(bool mirror)
 {
     int listener = -1, fd = -1;
     char bound[SOCKET_NAME], peer[SOCKET_NAME];
@@ -70,11 +70,11 @@ static int answer(bool mirror)
     if (socket_accept(listener, until, &fd, peer, NULL) != DM2_OK || fd < 0)
         return 1;
     if (mirror) {
-        reflect(fd);
+        send_back(fd);
         return 0;
     }
     send_input(fd);
-    print_rest(fd);
+    print_received(fd);
     return 0;
 }
 
@@ -100,7 +100,7 @@ int main(int argc, char **argv)
     until = deadline_in(30, -1);
     socket_ignore_sigpipe();
     if (argc == 2 && (strcmp(argv[1], "answer") == 0 || strcmp(argv[1], "mirror") == 0))
-        return answer(strcmp(argv[1], "mirror") == 0);
+        return serve_connection(strcmp(argv[1], "mirror") == 0);
     if (argc != 3)
         return 2;
     if (socket_connect("127.0.0.1", (int)strtol(argv[2], NULL, 10), until, &fd, &err) != DM2_OK) {
@@ -119,6 +119,6 @@ int main(int argc, char **argv)
     }
     send_input(fd);
     (void)shutdown(fd, SHUT_WR);
-    print_rest(fd);
+    print_received(fd);
     return 0;
 }

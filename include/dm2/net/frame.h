@@ -33,11 +33,11 @@ enum { FRAME_HEADER = 16, FRAME_TAG = SIPHASH_BYTES };
 
 enum frame_fault {
     FRAME_GOOD = 0,
-    FRAME_STRANGER, /* the magic is another: not this protocol at all */
-    FRAME_VERSION,  /* another protocol version */
-    FRAME_TOO_LONG, /* the length exceeds what the reader allows here */
-    FRAME_CHECKSUM, /* the bytes were changed on the way */
-    FRAME_CUT       /* the stream ended inside a frame */
+    FRAME_BAD_MAGIC, /* the magic is another: not this protocol at all */
+    FRAME_VERSION,   /* another protocol version */
+    FRAME_TOO_LONG,  /* the length exceeds what the reader allows here */
+    FRAME_CHECKSUM,  /* the bytes were changed on the way */
+    FRAME_CUT        /* the stream ended inside a frame */
 };
 
 struct frame_header {
@@ -47,7 +47,7 @@ struct frame_header {
 };
 
 void frame_header_encode(const struct frame_header *h, unsigned char out[FRAME_HEADER]);
-/* FRAME_STRANGER, FRAME_VERSION, FRAME_TOO_LONG or FRAME_GOOD; *out is filled as far as it can be read. */
+/* FRAME_BAD_MAGIC, FRAME_VERSION, FRAME_TOO_LONG or FRAME_GOOD; *out is filled as far as it can be read. */
 enum frame_fault frame_header_decode(const unsigned char in[FRAME_HEADER], uint16_t version, uint32_t limit,
                                      struct frame_header *out);
 
