@@ -1,12 +1,12 @@
 /* Keys, nonces and codes.
  *
- * A key file is one line of text, "dm2-key-1 " and 64 hexadecimal digits, so that it survives being pasted or
- * copied by whatever carries files between the machines. It is made with mode 0600 from the start (never
- * briefly readable), and one that others can read is refused rather than repaired: it may have been read
- * already.
+ * A key file is one line of text, "dm2-key-1 " and 64 hexadecimal digits, because a line of text can be
+ * pasted and copied by every program that carries files between machines. The file has mode 0600 from the
+ * start, so that other users cannot read it even briefly. A file that other users can access is refused
+ * rather than repaired, because the key may have been read already.
  *
- * Codes and session keys are all HMAC(key, label, version, client nonce, server nonce) with different labels
- * of one length, so that no code can stand for another. */
+ * Codes and session keys are HMAC(key, label, version, client nonce, server nonce) with different labels of
+ * one length, so that no code can stand for another. */
 #include "dm2/cluster/auth.h"
 
 #include <errno.h>
@@ -22,7 +22,7 @@ static const char HEAD[] = "dm2-key-1 ";
 
 enum { HEAD_LENGTH = sizeof HEAD - 1, TEXT_LENGTH = HEAD_LENGTH + 2 * AUTH_KEY + 1, LABEL = 16 };
 
-/* Reads exactly n bytes; fewer only at the end of the file. */
+/* Reads n bytes, or fewer at the end of the file. Returns their number, or -1. */
 static ssize_t read_up_to(int fd, void *out, size_t n)
 {
     size_t have = 0;

@@ -1,9 +1,9 @@
 /* Segments of a server.
  *
- * An update is positions and what else changes, as doubles in an order both ends know: no ids. The receiver
- * knows from whom it must get how many, so a missing, doubled or wrong segment is found by its length alone.
- * A rebuild sends records, and an empty parcel is not sent; whether an element belongs where it arrives is
- * the engine's check. */
+ * An update holds positions and the other numbers that change, as doubles in an order that both ends know,
+ * without ids. The receiver knows how many elements each source sends, so that the length of a segment alone
+ * shows a segment that is missing, doubled or wrong. A rebuild holds records; an empty parcel is not sent.
+ * The engine checks whether an element belongs where it arrives. */
 #include "exchange.h"
 
 #include <stdlib.h>
@@ -37,6 +37,7 @@ void exchange_free(struct exchange *x)
     *x = (struct exchange){0};
 }
 
+/* Room for the doubles of n elements; NULL without memory. */
 static double *reserve_values(struct exchange *x, size_t n)
 {
     double *values = NULL;
@@ -47,6 +48,7 @@ static double *reserve_values(struct exchange *x, size_t n)
     return values;
 }
 
+/* Appends the head of a segment, without its length; returns where the segment starts. */
 static size_t start_segment(struct bytes_writer *w, int from, int to)
 {
     bytes_put_u16(w, (uint16_t)from);
@@ -104,7 +106,8 @@ enum dm2_status exchange_pack_rebuild(struct exchange *x, struct subdomain *sd, 
     return w->failed ? dm2_fail(err, DM2_MEMORY, "no memory for the elements to send") : DM2_OK;
 }
 
-/* The next segment's source and a reader of its bytes. False where it cannot be one for this rank. */
+/* Takes the next segment: its source, and a reader of its bytes. False where the segment is cut, doubled, or
+ * not for this rank. */
 static bool get_segment(struct exchange *x, struct bytes_reader *r, int *from, struct bytes_reader *segment)
 {
     *from = bytes_get_u16(r);
@@ -183,7 +186,7 @@ enum dm2_status exchange_take_rebuild(struct exchange *x, struct subdomain *sd, 
     if (status == DM2_OK && !bytes_done(r))
         status = fail_segments(x, err);
     if (status == DM2_OK) {
-        x->in[n] = x->out[x->rank]; /* the engine's own arrays: not freed here */
+        x->in[n] = x->out[x->rank]; /* its arrays are the engine's: not freed here */
         status = subdomain_take_in(sd, x->in, n + 1, err);
     }
     for (size_t k = 0; k < n; k++)

@@ -1,27 +1,27 @@
-/* One poll for everybody: the connection that the server waits for, the listener, and those visitors that owe
- * something.
+/* One poll for all descriptors: that of the session's client, the listener, and those of visitors that have
+ * something to send.
  *
- * With a key a visitor proves it here, also while the server is busy, so that only who has it waits for its
- * turn. Without one, what a visitor wants is seen from the header of its first message, which is looked at
- * and not taken: a client's bytes stay where they are until its session reads them. Clients are not polled
- * any more, so that what they sent wakes nobody; neither is a visitor whose few bytes do not tell yet, which
- * is looked at again every 50 ms instead. A client that has closed, or whose first message is not there to
- * its end in time, loses its place.
+ * With a key a visitor proves the key here, also while the server is busy, so that only visitors with the key
+ * wait for their turn. Without a key the header of a visitor's first message shows the visitor's purpose. The
+ * header is peeked at and not taken, because the session reads a client's bytes from the first on. Clients
+ * are polled for the end of their stream alone, so that bytes from them do not wake the server. A visitor
+ * whose bytes do not reach the type of the message is not polled either, but peeked at every PARTIAL_SECONDS.
+ * A client that has closed, or whose first message is not complete in time, loses its place.
  *
- * In a full lobby the oldest of those who may be strangers makes room for the next connection as soon as it
- * has had a second. What has come from it by then is read first: a server that computes for longer takes
- * nobody's turn away.
+ * In a full lobby the oldest visitor that is not verified makes room for the next connection, LOBBY_GRACE
+ * seconds after it came. The bytes of that visitor are read first, so that no visitor loses its place because
+ * the server computed for longer.
  *
- * Where a connection could not be taken, for want of descriptors for instance, it was_partial makes the
- * listener readable: that one is left alone for 100 ms then, so that the wait for the session's client is
- * none that spins.
+ * A connection that could not be taken, for want of descriptors for instance, keeps the listener readable.
+ * The listener is then not polled for ACCEPT_PAUSE seconds, so that the wait for the session's client does
+ * not spin.
  *
- * A server that is free and has a client at hand turns to it before it says anything to those behind: it is
- * not free.
+ * A free server with a waiting client starts its session before it answers other visitors, because it is busy
+ * from then on.
  *
- * Everything is sent with a deadline of now: it is small and the connection is fresh, so it goes or the
- * visitor is none. A visitor that is refused gets the same words whatever the reason; the log has the reason.
- */
+ * A message to a visitor has a deadline of now: the message is short and the connection is fresh, so a
+ * connection that does not take it is not a client's. A visitor that is refused gets the same text whatever
+ * the reason; the log has the reason. */
 #include "lobby.h"
 
 #include <errno.h>
@@ -37,12 +37,12 @@
 
 static const double PARTIAL_SECONDS = 0.05, ACCEPT_PAUSE = 0.1;
 
-/* How long to look for the client's next message before sleeping. A processor whose server sleeps falls
- * asleep too, and waking it up takes longer than all that the client does in a step; one that looks lets the
- * client run at once. */
+/* Seconds for which poll is repeated before it sleeps. A processor whose server sleeps falls asleep, too, and
+ * takes longer to wake up than the client takes for its part of a step; a server that repeats poll yields to
+ * the client at once. */
 static const double LOOK_SECONDS = 2e-3;
 
-enum { TYPE_AT = 6 }; /* in the header of a frame */
+enum { TYPE_AT = 6 }; /* byte of the type in the header of a frame */
 
 void lobby_open(struct lobby *l, int listener, const struct server_options *options, server_log log,
                 void *log_context)
@@ -69,7 +69,7 @@ static enum dm2_status send_message(struct lobby *l, struct visitor *v, enum mes
     return channel_send(&v->channel, (uint8_t)type, 0, l->out.data, l->out.length, deadline_in(0, -1), err);
 }
 
-/* `told` is what the visitor gets to know, `why` is for the log. */
+/* Sends ERROR with the text `told`, logs the reason `why`, and closes the connection. */
 static void dismiss_visitor(struct lobby *l, size_t k, enum dm2_status status, const char *told,
                             const char *why)
 {
@@ -104,7 +104,7 @@ static size_t count_clients(const struct lobby *l)
     return n;
 }
 
-/* The visitor wants to be served. False: as many wait as may. */
+/* Lets a client wait for its turn. False where the server is busy and LOBBY_CLIENTS clients wait already. */
 static bool queue_client(const struct lobby *l, struct visitor *v)
 {
     if (l->business.peer != NULL && count_clients(l) >= LOBBY_CLIENTS)
@@ -113,7 +113,7 @@ static bool queue_client(const struct lobby *l, struct visitor *v)
     return true;
 }
 
-/* --- who asks for the status, and who has to prove the key --- */
+/* --- status and proof of the key --- */
 
 static enum dm2_status send_report(struct lobby *l, struct visitor *v, struct dm2_error *err)
 {
@@ -157,11 +157,15 @@ static enum dm2_status send_grant(struct lobby *l, struct visitor *v, struct dm2
     return status;
 }
 
-/* What becomes of a visitor. */
-enum visit_result { VISIT_GOES_ON, VISIT_ANSWERED, VISIT_SURPLUS };
+enum visit_result {
+    VISIT_GOES_ON,
+    VISIT_ANSWERED, /* REPORT is sent: the connection closes */
+    VISIT_SURPLUS   /* a client beyond LOBBY_CLIENTS */
+};
 
-/* The visitor proves first: a stranger gets a random number from this server and nothing that depends on the
- * key. */
+/* Compares the code of a PROOF with the right one. GRANT and REPORT follow only then, so that a visitor
+ * without the key gets a random number from this server and nothing that depends on the key. DM2_PROTOCOL
+ * where the codes differ. */
 static enum dm2_status check_proof(struct lobby *l, struct visitor *v, const unsigned char proof[AUTH_CODE],
                                    enum visit_result *result, struct dm2_error *err)
 {
@@ -177,7 +181,8 @@ static enum dm2_status check_proof(struct lobby *l, struct visitor *v, const uns
     return status == DM2_OK && asks ? send_report(l, v, err) : status;
 }
 
-/* The first message, or the answer to the challenge: a nonce and a code are of one length. */
+/* Takes a STATUS, KNOCK or PROOF. One check of the length serves all three, because a nonce and a code are of
+ * one length. */
 static enum dm2_status take_message(struct lobby *l, struct visitor *v, const struct frame *f,
                                     enum visit_result *result, struct dm2_error *err)
 {
@@ -203,7 +208,7 @@ static enum dm2_status take_message(struct lobby *l, struct visitor *v, const st
     return send_challenge(l, v, err);
 }
 
-/* What has come from a visitor that says what it wants, or proves the key. */
+/* Reads the bytes that have come from a visitor, and takes the message where it is complete. */
 static enum dm2_status read_visitor(struct lobby *l, struct visitor *v, enum visit_result *result,
                                     struct dm2_error *err)
 {
@@ -213,10 +218,12 @@ static enum dm2_status read_visitor(struct lobby *l, struct visitor *v, enum vis
     return status == DM2_OK && complete ? take_message(l, v, &f, result, err) : status;
 }
 
-/* --- without a key: who has not said what it wants --- */
+/* --- without a key: the first message --- */
 
-/* What cannot become a session is told apart only while the server is busy: otherwise the session says what
- * was wrong, also of one that is vague at the second look. */
+/* Peeks at the header of a visitor's first message. While the server is busy, a visitor that has closed or
+ * whose bytes are not dm2's protocol is refused for the reason returned. While the server is free, such a
+ * visitor becomes a client, as does one whose header is partial at the second look, because the session
+ * reports the fault. */
 static const char *peek_header(struct lobby *l, struct visitor *v, enum visit_result *result)
 {
     unsigned char head[TYPE_AT + 1], magic[4];
@@ -241,7 +248,7 @@ static const char *peek_header(struct lobby *l, struct visitor *v, enum visit_re
     return NULL;
 }
 
-/* Is the first message of a client there to its end? It is looked at, not taken. */
+/* Is the first message of a client complete? Its bytes are peeked at, not taken. */
 static bool has_first_message(const struct visitor *v)
 {
     unsigned char bytes[FRAME_HEADER + LIMIT_HELLO];
@@ -254,14 +261,14 @@ static bool has_first_message(const struct visitor *v)
     return h.length <= got - FRAME_HEADER;
 }
 
-/* --- all together --- */
+/* --- all visitors --- */
 
 static bool is_server_free(const struct lobby *l)
 {
     return l->business.peer == NULL;
 }
 
-/* One visitor's turn. Returns why it is refused, or NULL. */
+/* Reads from one visitor and answers. Returns the reason why the visitor is refused, or NULL. */
 static const char *handle_visitor(struct lobby *l, struct visitor *v, enum visit_result *result,
                                   struct dm2_error *err)
 {
@@ -279,7 +286,7 @@ static const char *handle_visitor(struct lobby *l, struct visitor *v, enum visit
     return why;
 }
 
-/* Goes through the visitors once. */
+/* Handles each visitor once; of a free server, up to the first client. */
 static void handle_visitors(struct lobby *l)
 {
     for (size_t k = 0; k < l->n && (!is_server_free(l) || count_clients(l) == 0);) {
@@ -310,8 +317,7 @@ void lobby_enter(struct lobby *l, int fd, const char *peer)
     channel_open(&v->channel, fd, PROTOCOL_VERSION, peer);
 }
 
-/* The oldest of those who may be strangers: who has not proved the key, without one who has not said a whole
- * message. */
+/* Index of the oldest visitor that is not verified; l->n where all are. */
 static size_t oldest_unverified(const struct lobby *l)
 {
     size_t k = 0;
@@ -320,7 +326,7 @@ static size_t oldest_unverified(const struct lobby *l)
     return k;
 }
 
-/* From when on the lobby has, or makes, room for one more; a time of clock_now(). */
+/* The time of clock_now() from which on the lobby has or makes room for one more visitor. */
 static double accept_time(const struct lobby *l)
 {
     size_t oldest = oldest_unverified(l);
@@ -328,7 +334,8 @@ static double accept_time(const struct lobby *l)
     return fmax(room, l->accept_after);
 }
 
-/* Takes one connection, if one is there. What had come from the visitors has been read. */
+/* Takes one connection where there is one; the caller has handled all visitors. DM2_NET where the listener
+ * failed. */
 static enum dm2_status accept_visitor(struct lobby *l, struct dm2_error *err)
 {
     char peer[SOCKET_NAME];
@@ -349,7 +356,7 @@ static enum dm2_status accept_visitor(struct lobby *l, struct dm2_error *err)
     return DM2_OK;
 }
 
-/* The time by which somebody has to be looked at who may not have sent anything. */
+/* The earliest time, at most `until`, at which a visitor must be handled that may have sent nothing. */
 static double next_deadline(const struct lobby *l, double until)
 {
     for (size_t k = 0; k < l->n; k++) {
@@ -364,7 +371,7 @@ static double next_deadline(const struct lobby *l, double until)
 
 enum lobby_wake { WAKE_NONE, WAKE_FD, WAKE_CANCEL, WAKE_BROKEN };
 
-/* One poll, and what follows from it; fd may be -1. */
+/* Polls once and handles visitors and new connections; fd may be -1. */
 static enum lobby_wake poll_once(struct lobby *l, int fd, struct deadline until, struct dm2_error *err)
 {
     struct pollfd polls[LOBBY_MOST + 3];
@@ -397,7 +404,7 @@ static enum lobby_wake poll_once(struct lobby *l, int fd, struct deadline until,
     if (more && accept_visitor(l, err) != DM2_OK)
         return WAKE_BROKEN;
     if (more)
-        handle_visitors(l); /* what it wants may be there already */
+        handle_visitors(l); /* the first message of the new visitor may have come */
     return ready > 0 && polls[0].revents != 0 ? WAKE_FD : WAKE_NONE;
 }
 
@@ -411,10 +418,10 @@ bool lobby_wait(struct lobby *l, int fd, struct deadline until)
 
 void lobby_look(struct lobby *l)
 {
-    (void)poll_once(l, -1, deadline_in(0, -1), NULL); /* what broke, the next wait finds out */
+    (void)poll_once(l, -1, deadline_in(0, -1), NULL); /* the next wait reports a failure */
 }
 
-/* The first client in the order of coming. */
+/* Hands over the channel of the client that came first. False where no client waits. */
 static bool take_client(struct lobby *l, struct channel *out)
 {
     for (size_t k = 0; k < l->n; k++) {

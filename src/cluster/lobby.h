@@ -1,13 +1,16 @@
-/* Where connections wait until the server has time for them, and where it says what it does, also while it is
- * busy (docs/protocol.md: STATUS).
+/* Connections that wait until the server has time for them, and the server's answers to STATUS, also while it
+ * is busy (docs/protocol.md: STATUS).
  *
- * A server serves one session at a time. Connections that come meanwhile are taken and looked at: where there
- * is a key, everybody proves it first (dm2/cluster/auth.h); one that asks for the status is answered on the
- * spot, one of a client waits for its turn, one that says nothing for too long or is none of dm2's is closed.
- * At most LOBBY_MOST are inside, the others are left in the listen backlog; in a full lobby those who may be
- * strangers have LOBBY_GRACE seconds, then the next one comes in. While the server is busy at most
- * LOBBY_CLIENTS of them are clients: further ones are sent away. Nothing here waits for anybody: a session is
- * not held up by those who stand outside. */
+ * A server serves one session at a time. A connection that comes meanwhile is a visitor. With a key every
+ * visitor proves the key first (dm2/cluster/auth.h). A visitor that asks for the status is answered at once;
+ * a visitor that is a client waits for its turn; a visitor that is silent for too long, or whose bytes are
+ * not dm2's protocol, is closed.
+ *
+ * At most LOBBY_MOST visitors are taken; the other connections stay in the listen backlog. In a full lobby a
+ * visitor that is not verified (it has not proved the key; without a key, its first message is not complete)
+ * has LOBBY_GRACE seconds; then the next connection takes its place. While the server is busy at most
+ * LOBBY_CLIENTS visitors are clients; further clients are sent away. No function waits for a visitor, so that
+ * visitors do not delay a session. */
 #ifndef DM2_CLUSTER_LOBBY_H
 #define DM2_CLUSTER_LOBBY_H
 
@@ -21,30 +24,30 @@
 #include "dm2/net/frame.h"
 #include "dm2/net/socket.h"
 
-enum { LOBBY_MOST = 16, LOBBY_CLIENTS = 12 }; /* the others' places are for who asks for the status */
+enum { LOBBY_MOST = 16, LOBBY_CLIENTS = 12 }; /* the other places are for visitors that ask for the status */
 #define LOBBY_GRACE 1.0                       /* seconds */
 
 enum visitor_kind {
-    VISITOR_NEW,    /* has not said yet what it wants */
+    VISITOR_NEW,    /* its first message is not known yet */
     VISITOR_CLIENT, /* waits for its turn; it has proved the key, or nothing has been read from it */
-    VISITOR_ASKS,   /* its STATUS message is on its way in (without a key), */
-    VISITOR_PROVES  /* or the proof that it has the key */
+    VISITOR_ASKS,   /* without a key: its STATUS message is being read */
+    VISITOR_PROVES  /* with a key: its PROOF is due */
 };
 
 struct visitor {
     struct channel channel; /* its name is the peer */
     enum visitor_kind kind;
-    enum auth_role role; /* of one that proves */
-    bool partial;        /* has sent too little to tell: looked at again soon */
-    bool verified;       /* a client that has proved the key, or whose first message is there to its end */
-    bool closed;         /* a client that has closed */
-    double came, until;  /* times of clock_now(): all that it wants must have been said by the latter */
+    enum auth_role role; /* of a visitor with VISITOR_PROVES */
+    bool partial;        /* its bytes do not show the type of its first message yet; peeked at again soon */
+    bool verified;       /* a client that has proved the key, or whose first message is complete */
+    bool closed;         /* a client that has ended its stream */
+    double came, until;  /* clock_now() of its connection, and by when it must be verified or answered */
     struct auth_nonces nonces;
 };
 
-/* What the server does while it is busy. */
+/* The session of a server that is busy. */
 struct lobby_business {
-    const char *peer; /* NULL: nothing */
+    const char *peer; /* the session's client; NULL: the server is free */
     double since;     /* clock_now() */
     const struct session_summary *session;
 };
@@ -57,29 +60,33 @@ struct lobby {
     struct lobby_business business;
     struct visitor visitors[LOBBY_MOST]; /* in the order in which they came */
     size_t n;
-    double accept_after; /* a time of clock_now(): no connection is taken before, since one could not be */
-    struct bytes_writer out;
+    double accept_after; /* clock_now() before which no connection is taken, because the last try failed */
+    struct bytes_writer out; /* the payload of the next message */
 };
 
+/* An empty lobby. The listener (-1: none) stays the caller's; `log` may be NULL. */
 void lobby_open(struct lobby *l, int listener, const struct server_options *options, server_log log,
                 void *log_context);
-/* Closes all connections in it. */
+
+/* Closes the connections of all visitors. */
 void lobby_close(struct lobby *l);
 
-/* One more connection, which is taken over; fewer than LOBBY_MOST are inside. */
+/* Makes a connection a visitor; the descriptor is the lobby's from then on. At most LOBBY_MOST - 1 visitors
+ * are there before. */
 void lobby_enter(struct lobby *l, int fd, const char *peer);
 
-/* Waits until a client's turn can come, and hands its channel over, with the session's keys where there are
- * some. DM2_TIMEOUT, DM2_INTERRUPTED; DM2_NET where the listener broke; DM2_PROTOCOL where there is none (-1)
- * and nobody is left inside. */
+/* Marks the server free and waits until a client's turn comes. *out is the client's channel, with the
+ * session's keys where the server has a key, and is the caller's from then on. DM2_TIMEOUT, DM2_INTERRUPTED;
+ * DM2_NET where the listener or poll failed; DM2_PROTOCOL where neither listener nor visitor is there. */
 enum dm2_status lobby_next(struct lobby *l, struct deadline until, struct channel *out,
                            struct dm2_error *err);
 
-/* Looks after the lobby once, without waiting: for who computes and has no time. */
+/* Answers visitors once, without waiting, for a server that computes. A failure of listener or poll is left
+ * to the next wait. */
 void lobby_look(struct lobby *l);
 
-/* Looks after the lobby until `fd` can be read. False: the deadline has come, the process is asked to end, or
- * something broke; the next wait for fd finds out which. */
+/* Answers visitors until `fd` can be read. False where the deadline has come, the process is asked to end, or
+ * listener or poll failed; the caller's next wait for fd tells which. */
 bool lobby_wait(struct lobby *l, int fd, struct deadline until);
 
 #endif

@@ -1,6 +1,6 @@
-/* The messages as bytes. put and get of a message stand together and list the same fields in the same order;
- * what a get reads is checked here as far as a message alone can tell (ranges, counts, finite numbers),
- * against the run by the roles. */
+/* The messages as bytes. message_put_X and message_get_X stand together and list the same fields in the same
+ * order. A get checks ranges, counts and finite numbers, as far as one message alone shows them to be wrong;
+ * the roles compare the message with the run. */
 #include "dm2/cluster/messages.h"
 
 #include <math.h>
@@ -32,7 +32,7 @@ static double get_seconds(struct bytes_reader *r)
     return s;
 }
 
-/* A text into a fixed buffer; a longer one fails. */
+/* Reads a text into a buffer of `size` bytes; a text that is too long sets r->failed. */
 static void get_text_into(struct bytes_reader *r, char *out, size_t size)
 {
     char *text = bytes_get_text(r, size - 1, NULL);
@@ -195,8 +195,8 @@ static void put_spread(struct bytes_writer *w, const struct spread *s)
     bytes_put_f64(w, s->close);
 }
 
-/* Of no element the box is infinite, and so is what was not looked at; a number that is none would hide the
- * others' in a comparison. */
+/* low and high are infinite where there is no element, close where it was not surveyed. NaN is refused,
+ * because in a comparison NaN would hide the values of the other servers. */
 static void get_spread(struct bytes_reader *r, struct spread *s)
 {
     bytes_get_f64s(r, s->low, 2);
@@ -239,7 +239,7 @@ void message_get_step(struct bytes_reader *r, struct step_message *m)
     m->surveyed = (flags & STEP_SURVEYED) != 0;
     m->owned = bytes_get_u64(r);
     m->migrants = bytes_get_u64(r);
-    m->dmax = get_seconds(r); /* a length here: finite and not negative as well */
+    m->dmax = get_seconds(r); /* a length, but finite and not negative, too */
     m->busy = get_seconds(r);
     if (m->surveyed)
         get_spread(r, &m->spread);
@@ -292,7 +292,7 @@ void message_get_state(struct bytes_reader *r, struct state_message *m)
     m->n_pairs = bytes_get_u32(r);
     size_t each = WIRE_ELEMENT + (m->purpose == STATE_SNAPSHOT ? WIRE_MEASURED : 0),
            left = bytes_remaining(r);
-    /* both counts are below 2^32 and so are the products with the sizes below 2^40 */
+    /* both counts are below 2^32, hence both products below 2^40 */
     require(r, m->n_elements * each + m->n_pairs * WIRE_PAIR == left);
 }
 

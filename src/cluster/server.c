@@ -1,9 +1,8 @@
-/* One session, from HELLO to DONE.
+/* One session, from HELLO to DONE, and the daemon that serves one session after another.
  *
- * The order of messages is the flow of the paper's Fig. 7 and of docs/protocol.md; each function below is one
- * stage of it and either goes on or fails, and whatever fails ends up in server_session, which tells the
- * client and frees everything. Nothing survives a session: the next client meets a server as fresh as the
- * first did. */
+ * The order of messages is that of docs/protocol.md and of the paper's Fig. 7. The first stage that fails
+ * ends the session: serve_client then sends ERROR and frees everything. Nothing lasts from one session to the
+ * next. */
 #include "dm2/cluster/server.h"
 
 #include <stdio.h>
@@ -13,7 +12,7 @@
 #include "dm2/base/text.h"
 #include "server_parts.h"
 
-static const double HANG_UP_SECONDS = 2.0; /* for a peer to read our last message */
+static const double HANG_UP_SECONDS = 2.0; /* for the client to read the last message */
 
 static enum dm2_status exchange_hellos(struct session *s, struct dm2_error *err)
 {
@@ -65,7 +64,7 @@ static void free_session(struct session *s)
     bytes_free(&s->out);
 }
 
-/* Everything after the deck. */
+/* The stages after the deck. */
 static enum dm2_status serve_run(struct session *s, struct dm2_error *err)
 {
     enum dm2_status status = server_get_assignment(s, err);
@@ -76,7 +75,7 @@ static enum dm2_status serve_run(struct session *s, struct dm2_error *err)
     return status == DM2_OK ? server_send_done(s, err) : status;
 }
 
-/* The session of a client from the lobby, which is looked after meanwhile. The channel is taken over. */
+/* Serves the client of a channel from the lobby and closes the channel. */
 static enum dm2_status serve_client(const struct channel *client, const struct server_options *options,
                                     struct lobby *lobby, struct session_summary *summary,
                                     struct dm2_error *err)
@@ -98,8 +97,8 @@ static enum dm2_status serve_client(const struct channel *client, const struct s
         status = serve_run(&s, err);
     if (status != DM2_OK && status != DM2_NET)
         send_error(&s, err);
-    channel_hang_up(&s.channel,
-                    deadline_in(HANG_UP_SECONDS, -1)); /* a signal does not cut the last message */
+    /* without s.options->cancel, because a signal must not cut the last message */
+    channel_hang_up(&s.channel, deadline_in(HANG_UP_SECONDS, -1));
     free_session(&s);
     summary->seconds = clock_now() - start;
     return status;
@@ -135,7 +134,7 @@ static void log_session(const struct session_summary *sum, enum dm2_status statu
         (void)snprintf(line, sizeof line, "done: %s", what);
     else
         (void)snprintf(line, sizeof line, "%s%s%s", err->text, what[0] != '\0' ? "; " : "", what);
-    text_make_printable(line, false); /* of which a client has sent much */
+    text_make_printable(line, false); /* parts of the line are the client's */
     log(context, status == DM2_OK ? SERVER_DONE : SERVER_FAILED, peer, line);
 }
 

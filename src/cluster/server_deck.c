@@ -1,4 +1,8 @@
-/* The deck of a session: found among the server's own or sent by the client, compared by digest, loaded. */
+/* The deck of a session: the server's own copy or the texts that the client sends, compared by digest,
+ * checked against the server's limits, loaded.
+ *
+ * A name from a client leads to no file outside the deck directory: neither by an absolute path, nor by "..",
+ * nor by a symbolic link; the same holds for the files that a deck includes. */
 #include "server_parts.h"
 
 #include <stdio.h>
@@ -9,7 +13,7 @@
 #include "dm2/base/mem.h"
 #include "dm2/deck/digest.h"
 
-/* A path's last component is "..", or one before it is. */
+/* Is a component of the path ".."? */
 static bool has_parent_component(const char *name)
 {
     for (const char *p = name; p != NULL; p = strchr(p, '/')) {
@@ -31,7 +35,7 @@ static char *find_deck(const char *directory, const char *name)
     (void)snprintf(path, size, "%s/%s", directory, name);
     bool found = true;
     struct stat info;
-    for (char *end = path + root; end != NULL && found;) { /* from one component of the name to the next */
+    for (char *end = path + root; end != NULL && found;) { /* the path up to each component of the name */
         end = strchr(end, '/');
         if (end != NULL)
             *end = '\0';
@@ -45,7 +49,7 @@ static char *find_deck(const char *directory, const char *name)
     return NULL;
 }
 
-/* Of the files that a deck below the directory includes, too. */
+/* May a deck of the directory include this file? `path` begins with `directory`. */
 static bool may_read_file(void *directory, const char *path)
 {
     char *found = find_deck(directory, path + strlen(directory) + 1);
@@ -53,7 +57,7 @@ static bool may_read_file(void *directory, const char *path)
     return found != NULL;
 }
 
-/* Puts the texts of the server's own copy into the message, if there is one. */
+/* Moves the texts of the server's own copy of the deck to s->deck. False where there is no copy. */
 static bool read_own_copy(struct session *s)
 {
     char *path = find_deck(s->options->deck_dir, s->deck.name);
@@ -95,7 +99,7 @@ static enum dm2_status send_answer(struct session *s, uint8_t loaded, struct dm2
     return server_send(s, MESSAGE_ANSWER, err);
 }
 
-/* What a deck may ask of this server. */
+/* Compares the number of time steps with --max-steps. DM2_DECK. */
 static enum dm2_status check_steps(const struct session *s, struct dm2_error *err)
 {
     int64_t most = s->options->max_steps;
@@ -106,8 +110,8 @@ static enum dm2_status check_steps(const struct session *s, struct dm2_error *er
                     (long long)s->config.steps, (long long)most);
 }
 
-/* Before the work that the limit is to prevent: some four times as many are counted, and taken or not for
- * their number; what is beyond is not begun. */
+/* Compares an estimate of the model with --max-elements, before the model is built. The bounds are loose,
+ * because the estimate is; check_elements compares the exact number. DM2_DECK. */
 static enum dm2_status check_estimate(const struct session *s, struct dm2_error *err)
 {
     const struct model_estimate e = model_estimate(&s->config);
@@ -151,8 +155,8 @@ static enum dm2_status load_deck(struct session *s, struct dm2_error *err)
     return status == DM2_OK ? check_elements(s, err) : status;
 }
 
-/* Waits for DECK; what comes before it is sent back as it is, so that the client can time the way there and
- * back. With summary->measured that was all it came for. */
+/* Waits for DECK. Each ECHO before DECK is sent back unchanged, so that the client can time round trips. With
+ * summary->measured an empty ECHO has come, and *out is not set. */
 static enum dm2_status expect_deck(struct session *s, struct bytes_reader *out, struct dm2_error *err)
 {
     struct frame f;

@@ -1,5 +1,5 @@
-/* From ASSIGN to READY: the rank's subdomain, generated from the deck or made of the state that the client
- * sends. */
+/* From ASSIGN to READY: the rank's subdomain, generated from the deck or restored from the state that the
+ * client sends. */
 #include "server_parts.h"
 
 #include <math.h>
@@ -10,9 +10,9 @@
 #include "dm2/cluster/wire.h"
 #include "dm2/output/state_hash.h"
 
-static const double MOST_PATIENCE = 10.0; /* times --timeout, however patient the client is itself */
+static const double TIMEOUTS_MOST = 10.0; /* bound of s->timeout, in units of options->timeout */
 
-/* The client's view of the domain must be the server's. */
+/* Compares grid, number of elements and interfaces of the client with the server's. */
 static enum dm2_status check_assignment(struct session *s, struct dm2_error *err)
 {
     const struct assign_message *a = &s->assign;
@@ -34,14 +34,15 @@ static enum dm2_status check_assignment(struct session *s, struct dm2_error *err
     return DM2_OK;
 }
 
-/* What is known of the state to start from. */
+/* The parts of the state to start from that have come. */
 struct received_state {
     struct element *elements;
     struct pair_record *pairs;
-    unsigned char *seen; /* by id */
+    unsigned char *seen; /* by id: the element has come */
     size_t n_elements, n_pairs, elements_cap, pairs_cap;
 };
 
+/* Room for so many more elements and pairs. False without memory. */
 static bool make_room(struct received_state *in, size_t n_elements, size_t n_pairs)
 {
     struct element *elements = mem_grown(in->elements, &in->elements_cap, in->n_elements,
@@ -57,6 +58,7 @@ static bool make_room(struct received_state *in, size_t n_elements, size_t n_pai
     return true;
 }
 
+/* Appends the elements and pairs of one STATE message, whose head is *m. */
 static enum dm2_status take_part(struct received_state *in, const struct model *model,
                                  const struct state_message *m, struct bytes_reader *r, struct dm2_error *err)
 {
@@ -81,7 +83,8 @@ static enum dm2_status take_part(struct received_state *in, const struct model *
     return bytes_done(r) ? DM2_OK : server_not_decoded("STATE", err);
 }
 
-/* The elements and pairs of this rank at the step to start from, in as many parts as they take. */
+/* Receives the elements and pairs of this rank at step s->assign.start, in STATE messages until the last
+ * one, and makes the subdomain of them. */
 static enum dm2_status get_state(struct session *s, struct dm2_error *err)
 {
     struct received_state in = {.seen = mem_zalloc(model_elements(s->model), 1)};
@@ -119,7 +122,7 @@ enum dm2_status server_get_assignment(struct session *s, struct dm2_error *err)
         return server_not_decoded("ASSIGN", err);
     s->summary->rank = s->assign.rank;
     s->summary->ranks = s->assign.ranks;
-    s->timeout = fmax(s->timeout, fmin(2 * s->assign.timeout, MOST_PATIENCE * s->options->timeout));
+    s->timeout = fmax(s->timeout, fmin(2 * s->assign.timeout, TIMEOUTS_MOST * s->options->timeout));
     s->alive_every = alive_every(s->assign.timeout);
     status = check_assignment(s, err);
     if (status != DM2_OK)
@@ -144,6 +147,6 @@ enum dm2_status server_send_ready(struct session *s, struct dm2_error *err)
     bytes_clear(&s->out);
     message_put_ready(&s->out, &m);
     struct subdomain_times set_up;
-    subdomain_take_times(s->sd, &set_up); /* not part of the steps */
+    subdomain_take_times(s->sd, &set_up); /* the set-up counts to no step */
     return server_send(s, MESSAGE_READY, err);
 }

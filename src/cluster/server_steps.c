@@ -1,9 +1,9 @@
-/* The steps of a session.
+/* The time steps of a session.
  *
  * A step: forces, move, pack, one STEP message out, one NEXT message in, take. Between the two messages the
- * forces of the next step begin, for all pairs that need nothing from the message. What the client asked for
- * with its last NEXT decides whether the segments are updates or the parcels of a rebuild; with `redo` it
- * asks for the latter after all, and the same step is sent again. */
+ * server begins the forces of the next step, for all pairs that need nothing from NEXT. The NEXT of the step
+ * before decides whether the segments are updates or the parcels of a rebuild; with `redo` the client asks
+ * for a rebuild after all, and the server sends the same step again. */
 #include "server_parts.h"
 
 #include <sched.h>
@@ -16,10 +16,11 @@
 #include "dm2/output/state_hash.h"
 #include "state_parts.h"
 
-/* --- states --- */
+/* --- states and profiles --- */
 
-/* The processor's seconds count while it computes, packs and unpacks, from here to the call that ends it; not
- * while it sends, receives and waits, which costs seconds of its own in the system. */
+/* Starts or ends the counting of processor seconds in s->times.cpu; returns whether they were counted before.
+ * Computing, packing and unpacking count; sending, receiving and waiting do not, because their calls cost
+ * processor seconds of the system. */
 static bool count_cpu(struct session *s, bool on)
 {
     double now = clock_cpu();
@@ -31,6 +32,7 @@ static bool count_cpu(struct session *s, bool on)
     return before;
 }
 
+/* Sends the state of the subdomain in STATE messages. DM2_MEMORY. */
 static enum dm2_status send_state(struct session *s, enum state_purpose purpose, struct dm2_error *err)
 {
     double start = clock_now();
@@ -95,7 +97,7 @@ static enum dm2_status send_profiles(struct session *s, struct dm2_error *err)
 
 /* --- steps --- */
 
-/* Adds up the engine's own times; returns the seconds of rebuilds among them. */
+/* Adds the engine's times since the last call to s->times; returns the seconds of rebuilds among them. */
 static double add_engine_times(struct session *s)
 {
     struct subdomain_times t;
@@ -107,8 +109,8 @@ static double add_engine_times(struct session *s)
     return t.rebuild;
 }
 
-/* Packs and sends one STEP message. The head holds counts that packing finds out: it is written again at the
- * end. */
+/* Packs and sends one STEP message. Packing determines counts that the head holds: the head is written
+ * before, for its length, and again afterwards. */
 static enum dm2_status send_step(struct session *s, struct step_message *m, struct dm2_error *err)
 {
     enum dm2_status status;
@@ -140,6 +142,7 @@ static enum dm2_status send_step(struct session *s, struct step_message *m, stru
     return server_send(s, MESSAGE_STEP, err);
 }
 
+/* Waits for the NEXT of this step; *r is left at its segments. */
 static enum dm2_status get_next(struct session *s, int64_t step, struct next_message *next,
                                 struct bytes_reader *r, struct dm2_error *err)
 {
@@ -159,12 +162,13 @@ static enum dm2_status get_next(struct session *s, int64_t step, struct next_mes
     return DM2_OK;
 }
 
-/* While the others' states are on the way: what of the next step needs none of them. A client on the same
- * processor gets it first, or the message would lie there until this work is done. */
+/* Computes the forces of the next step that need nothing from other ranks, while NEXT is on the way.
+ * sched_yield comes first, because a client on the same processor could not read STEP before this work is
+ * done. */
 static void start_next_forces(struct session *s, int64_t step)
 {
     if (step == s->config.steps)
-        return; /* the final state comes first */
+        return; /* server_send_done sends the final state before the last forces */
     (void)sched_yield();
     double start = clock_now();
     (void)count_cpu(s, true);
@@ -174,7 +178,7 @@ static void start_next_forces(struct session *s, int64_t step)
     s->times.ahead += s->ahead;
 }
 
-/* The exchange after a step; *asked says how, and gets how the next one will be. */
+/* The exchange after a step. *asked is the NEXT of the step before, and becomes that of this step. */
 static enum dm2_status swap_segments(struct session *s, struct step_message *m, struct next_message *asked,
                                      struct dm2_error *err)
 {

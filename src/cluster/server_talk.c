@@ -1,4 +1,8 @@
-/* Messages between a session and its client. */
+/* Messages between a session and its client.
+ *
+ * While the session waits, lobby_wait answers visitors. During long work server_beat tells the client that
+ * the server works; a failure of server_beat waits for the next server_send, because the engine that calls
+ * server_beat cannot end the session. */
 #include "server_parts.h"
 
 #include "dm2/base/clock.h"
@@ -8,7 +12,6 @@ struct deadline server_deadline(const struct session *s)
     return deadline_in(s->timeout, s->options->cancel);
 }
 
-/* Sends what s->out holds. */
 enum dm2_status server_send(struct session *s, enum message_type type, struct dm2_error *err)
 {
     if (s->alive_error.status != DM2_OK)
@@ -21,8 +24,6 @@ enum dm2_status server_send(struct session *s, enum message_type type, struct dm
     return status;
 }
 
-/* Called in the midst of work that may take longer than the client waits. What goes wrong here is told
- * by the next message that is sent. */
 void server_beat(void *context)
 {
     struct session *s = context;
@@ -34,7 +35,6 @@ void server_beat(void *context)
     lobby_look(s->lobby);
 }
 
-/* Is this the message that is due? */
 enum dm2_status server_check_type(const struct frame *f, enum message_type type, struct bytes_reader *out,
                                   struct dm2_error *err)
 {
@@ -51,7 +51,7 @@ enum dm2_status server_check_type(const struct frame *f, enum message_type type,
                     message_name((uint8_t)type, name[1]));
 }
 
-/* Waits for a frame, and meanwhile looks after those who stand outside. */
+/* Waits for a frame; lobby_wait answers visitors meanwhile. */
 static enum dm2_status receive_frame(struct session *s, uint32_t limit, struct deadline until,
                                      struct frame *f, struct dm2_error *err)
 {
@@ -61,14 +61,12 @@ static enum dm2_status receive_frame(struct session *s, uint32_t limit, struct d
         status = channel_receive_some(&s->channel, limit, &complete, f, err);
     while (status == DM2_OK && !complete) {
         if (!lobby_wait(s->lobby, s->channel.fd, until))
-            return channel_receive(&s->channel, limit, until, f,
-                                   err); /* which also says why there is nothing */
+            return channel_receive(&s->channel, limit, until, f, err); /* also tells why lobby_wait ended */
         status = channel_receive_some(&s->channel, limit, &complete, f, err);
     }
     return status;
 }
 
-/* Waits for a message; with each sign of life from the client, as long again. */
 enum dm2_status server_receive(struct session *s, uint32_t limit, struct deadline until, struct frame *f,
                                struct dm2_error *err)
 {
@@ -81,7 +79,6 @@ enum dm2_status server_receive(struct session *s, uint32_t limit, struct deadlin
     }
 }
 
-/* Waits for a message of this type. */
 enum dm2_status server_expect(struct session *s, enum message_type type, uint32_t limit,
                               struct deadline until, struct bytes_reader *out, struct dm2_error *err)
 {

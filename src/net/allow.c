@@ -1,6 +1,6 @@
-/* Every address becomes 16 bytes, an IPv4 one in the form in which it also arrives at a socket that takes
- * both, so that one comparison of leading bits serves all. A network with bits behind its length is an
- * error: 10.1.2.3/8 may have been meant as a single machine. */
+/* Every address becomes 16 bytes. An IPv4 address takes the mapped form in which it also arrives at a socket
+ * for both families, so that one comparison of leading bits serves all. A network with bits behind its length
+ * is an error, because 10.1.2.3/8 may have been meant as a single machine. */
 #include "dm2/net/allow.h"
 
 #include <arpa/inet.h>
@@ -12,7 +12,7 @@
 
 static const unsigned char MAPPED[12] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};
 
-/* The bits of its family, 32 or 128; 0 where it is no address. */
+/* Returns the number of bits in an address of this family, 32 or 128; 0 where the text is no address. */
 static int parse_address(const char *text, unsigned char out[16])
 {
     if (inet_pton(AF_INET6, text, out) == 1)

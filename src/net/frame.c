@@ -1,16 +1,15 @@
 /* Frames on a channel.
  *
- * Receiving reads whatever is there into one buffer, header and payload in one system call, and may stop at
- * any byte, so that a client can serve many channels from one poll. Nothing is believed before it is checked:
- * magic, version and length as they come, the checksum when the payload is whole. The buffer doubles behind
- * the bytes that really arrive.
+ * Receiving reads all bytes that have come into one buffer, header and payload in one system call, and may
+ * stop at any byte, so that a client can serve many channels from one poll. Magic, version and length are
+ * checked as they come, the checksum when the payload is complete; nothing is used before its check. The
+ * buffer doubles when the bytes that have come fill it.
  *
- * Sending computes the checksum piecewise over the caller's parts and hands header and parts to one writev: a
- * message is one system call and none of its bytes is copied here.
+ * Sending computes the checksum over the caller's parts, one after another, and hands header and parts to one
+ * writev: a message is one system call, and its payload is not copied.
  *
- * With keys the tag takes the checksum's place. It covers the number of the frame, so that a frame which is
- * left out, repeated or moved does not pass either; and each direction has its own key, so that none can be
- * sent back. */
+ * With keys a tag replaces the checksum. The tag covers the number of the frame, so that a frame that is left
+ * out, repeated or moved fails; each direction has its own key, so that a frame that is sent back fails. */
 #include "dm2/net/frame.h"
 
 #include <poll.h>
@@ -107,7 +106,7 @@ void channel_hang_up(struct channel *ch, struct deadline until)
     channel_close(ch);
 }
 
-/* The same status with the peer's name before the text. */
+/* Returns `status`; *err gets the peer's name and the text of *why, for DM2_INTERRUPTED the text alone. */
 static enum dm2_status name_peer(const struct channel *ch, enum dm2_status status,
                                  const struct dm2_error *why, struct dm2_error *err)
 {
@@ -128,7 +127,7 @@ static void start_tag(struct siphash *s, const unsigned char key[SIPHASH_KEY], u
     siphash_add(s, count, sizeof count);
 }
 
-/* Puts checksum or tag of header and payload where they belong. */
+/* Writes the checksum or the tag of header and payload into `header`. */
 static void seal_frame(struct channel *ch, unsigned char header[FRAME_HEADER + FRAME_TAG],
                        const struct iovec *iov, size_t n_iov)
 {
@@ -217,7 +216,7 @@ static enum dm2_status report_fault(const struct channel *ch, enum frame_fault f
     return DM2_OK;
 }
 
-/* Looks at the header as far as it is there. */
+/* Checks the header as far as it has come. */
 static enum dm2_status check_header(struct channel *ch, uint32_t limit, struct dm2_error *err)
 {
     if (ch->header_good || ch->filled < 4)
@@ -231,7 +230,7 @@ static enum dm2_status check_header(struct channel *ch, uint32_t limit, struct d
                         err);
 }
 
-/* Reads what is there into the buffer, which grows when it is full. */
+/* Reads the bytes that have come into the buffer, which grows when it is full. */
 static enum dm2_status read_bytes(struct channel *ch, size_t *got, struct dm2_error *err)
 {
     struct dm2_error why = {0};
@@ -258,7 +257,7 @@ static enum dm2_status read_bytes(struct channel *ch, size_t *got, struct dm2_er
     return DM2_OK;
 }
 
-/* Forgets the frame that was handed out; what follows it moves to the start. */
+/* Drops the frame that was handed out; the bytes behind it move to the start of the buffer. */
 static void drop_frame(struct channel *ch)
 {
     if (ch->taken == 0)
@@ -269,6 +268,7 @@ static void drop_frame(struct channel *ch)
     ch->header_good = false;
 }
 
+/* Does the checksum or the tag of the frame in the buffer match? */
 static bool verify_frame(struct channel *ch, const unsigned char *payload)
 {
     if (!ch->keyed)
@@ -282,7 +282,7 @@ static bool verify_frame(struct channel *ch, const unsigned char *payload)
     return hmac_equal(tag, ch->buffer + FRAME_HEADER, FRAME_TAG);
 }
 
-/* Is the frame whole? Then it is checked and handed out. */
+/* Where the frame is complete: checks it and hands it out. */
 static enum dm2_status take_frame(struct channel *ch, bool *complete, struct frame *out,
                                   struct dm2_error *err)
 {
@@ -322,7 +322,7 @@ enum dm2_status channel_receive_some(struct channel *ch, uint32_t limit, bool *c
     }
 }
 
-/* Waits before it reads: after a message that asks for an answer there is nothing to read yet. */
+/* Waits before the first read, because right after a request its answer has not come yet. */
 enum dm2_status channel_receive(struct channel *ch, uint32_t limit, struct deadline until, struct frame *out,
                                 struct dm2_error *err)
 {

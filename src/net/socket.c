@@ -1,9 +1,9 @@
 /* TCP sockets with deadlines.
  *
- * Descriptors are non-blocking throughout: a read or write is tried first and polled for only when it would
- * block, which is one system call where data is already there. A deadline is a point in time, so that a peer
- * which trickles bytes cannot stretch it. EINTR only means "look at the clock again": a signal that should
- * end the process makes the deadline's cancel descriptor readable, which no race can lose. */
+ * Descriptors are non-blocking: a read or write is tried first and polled for only where it would block,
+ * which is one system call where data has come already. A deadline is a point in time, so that a peer that
+ * sends single bytes cannot extend it. After EINTR a wait only reads the clock again, because a signal that
+ * asks the process to end makes the deadline's cancel descriptor readable, which no race can lose. */
 #include "dm2/net/socket.h"
 
 #include <errno.h>
@@ -31,7 +31,7 @@ enum { IOV_MOST = 16 }; /* _XOPEN_IOV_MAX, what POSIX promises */
 
 enum { LISTEN_BACKLOG = 128 };
 
-static const double LOOK_SECONDS = 5e-5; /* about what it takes to wake a process up */
+static const double LOOK_SECONDS = 5e-5; /* about the time that a process takes to wake up */
 
 struct deadline deadline_in(double seconds, int cancel)
 {
@@ -73,7 +73,7 @@ enum dm2_status socket_wait(int fd, short events, struct deadline until, struct 
         if (ready > 0 && until.cancel >= 0 && wait[1].revents != 0)
             return dm2_fail(err, DM2_INTERRUPTED, "asked to end by a signal");
         if (ready > 0 && wait[0].revents != 0)
-            return DM2_OK; /* errors and hang-ups too: the read or write that follows tells which */
+            return DM2_OK; /* also after errors and hang-ups, which the next read or write reports */
         if (ready == 0 && left <= 0)
             return dm2_fail(err, DM2_TIMEOUT, "no answer in time");
     }
@@ -84,7 +84,7 @@ static int set_options(int fd)
     int flags = fcntl(fd, F_GETFL), on = 1;
     if (flags < 0 || fcntl(fd, F_SETFL, flags | O_NONBLOCK) < 0 || fcntl(fd, F_SETFD, FD_CLOEXEC) < 0)
         return -1;
-    (void)setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on); /* a listener may not have it */
+    (void)setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on); /* may fail for a listener */
     return 0;
 }
 
@@ -191,7 +191,7 @@ enum dm2_status socket_accept(int listener, struct deadline until, int *fd, char
     if (s < 0) {
         if (errno == EBADF || errno == EINVAL || errno == ENOTSOCK)
             return dm2_fail(err, DM2_NET, "cannot take a connection: %s", strerror(errno));
-        return DM2_OK; /* that one is gone already, or there is no descriptor or memory for it now */
+        return DM2_OK; /* the connection was closed, or there is no descriptor or memory for it */
     }
     if (set_options(s) != 0) {
         socket_close(s);
@@ -202,8 +202,8 @@ enum dm2_status socket_accept(int listener, struct deadline until, int *fd, char
     return DM2_OK;
 }
 
-/* One address. Returns DM2_OK with *fd >= 0, or with *fd = -1 and *failure = errno; or a deadline's status.
- */
+/* Connects to one address. DM2_OK with *fd >= 0, or with *fd = -1 and *failure = errno; otherwise as
+ * socket_wait. */
 static enum dm2_status connect_address(const struct addrinfo *a, struct deadline until, int *fd, int *failure,
                                        struct dm2_error *err)
 {

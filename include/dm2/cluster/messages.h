@@ -21,41 +21,40 @@
 
 enum { PROTOCOL_VERSION = 10 };
 
-enum { DEFAULT_PORT = 4702 }; /* of a server; the one place where it is written */
+enum { DEFAULT_PORT = 4702 }; /* of a server; written nowhere else */
 
-/* Seconds of work until ALIVE is sent: a quarter of the client's patience, and a second at most. Before
- * ASSIGN a server does not know that and takes ALIVE_SECONDS. */
+/* Seconds of work until ALIVE is sent: a quarter of the client's timeout, at most 1. Before ASSIGN a server
+ * does not know the client's timeout and takes ALIVE_SECONDS. */
 #define ALIVE_SECONDS 0.25
-static inline double alive_every(double patience)
+static inline double alive_every(double timeout)
 {
-    return patience < 4.0 ? 0.25 * patience : 1.0;
+    return timeout < 4.0 ? 0.25 * timeout : 1.0;
 }
 
 /* c: from the client, s: from the server. */
 enum message_type {
     MESSAGE_HELLO = 1,    /* c: fingerprint, version of the program */
-    MESSAGE_WELCOME = 2,  /* s: the same of the server */
-    MESSAGE_DECK = 3,     /* c: the deck by name and digest, or its texts */
+    MESSAGE_WELCOME = 2,  /* s: the same, of the server */
+    MESSAGE_DECK = 3,     /* c: the deck by name and digest, with or without its texts */
     MESSAGE_ANSWER = 4,   /* s: the deck is loaded, or its texts are wanted */
     MESSAGE_ASSIGN = 5,   /* c: rank, decomposition */
-    MESSAGE_READY = 6,    /* s: the subdomain stands */
-    MESSAGE_STEP = 7,     /* s: one step is done: dmax, measures, segments for others */
-    MESSAGE_NEXT = 8,     /* c: the segments of others, and what to do next */
+    MESSAGE_READY = 6,    /* s: the subdomain is ready */
+    MESSAGE_STEP = 7,     /* s: one step is done: dmax, measures, segments for other ranks */
+    MESSAGE_NEXT = 8,     /* c: the segments of other ranks, and orders for the next step */
     MESSAGE_STATE = 9,    /* either: a part of a state */
     MESSAGE_DONE = 10,    /* s: last measures, timing; the session is over */
-    MESSAGE_ECHO = 13,    /* c: bytes, after WELCOME; s: the same bytes. An empty one ends the session */
-    MESSAGE_ERROR = 11,   /* either: why the session ends now */
-    MESSAGE_PROFILE = 12, /* s: the sums of a profile, before STEP or DONE as STATE is */
-    MESSAGE_ALIVE = 14,   /* either, after WELCOME, before what is due: nothing but that it is at work */
-    /* Before HELLO where a key is in use (dm2/cluster/auth.h); the payloads are nonces and codes as they are.
-     */
+    MESSAGE_ECHO = 13,    /* c: bytes, after WELCOME; s: the same bytes. An empty ECHO ends the session */
+    MESSAGE_ERROR = 11,   /* either: why the sender ends the session */
+    MESSAGE_PROFILE = 12, /* s: the sums of a profile; like STATE, before STEP or DONE */
+    MESSAGE_ALIVE = 14,   /* either, after WELCOME: the sender works on the message that is due */
+    /* Before HELLO where a key is in use (dm2/cluster/auth.h); each payload is a nonce or a code. */
     MESSAGE_KNOCK = 20,     /* c: nonce */
     MESSAGE_CHALLENGE = 21, /* s: nonce */
     MESSAGE_PROOF = 22,     /* c: code */
     MESSAGE_GRANT = 23,     /* s: code */
     /* In place of KNOCK and HELLO, also while the server is busy. */
     MESSAGE_STATUS = 24, /* c: nonce */
-    MESSAGE_REPORT = 25  /* s: what it does */
+    MESSAGE_REPORT = 25  /* s: the state of the server */
 };
 
 /* Largest payloads, bytes. */
@@ -76,42 +75,42 @@ struct hello_message {
     char version[VERSION_TEXT_MAX + 1]; /* of the program */
 };
 
-/* With texts: `source` is whole. Without: it has only defines and steps. */
+/* `source` is complete with texts; without texts it holds only defines and steps. */
 struct deck_message {
     bool with_texts;
     unsigned char digest[SHA256_BYTES]; /* deck_digest of the client's source */
-    char *name;                         /* to look for below the server's deck directory */
+    char *name;                         /* of a file below the server's deck directory */
     struct deck_source source;
 };
 
 struct assign_message {
     int rank, ranks;
-    int cx, cy;                 /* the grid, to be compared */
-    uint64_t elements;          /* of the whole run, to be compared */
-    struct cell_rect *rects;    /* ranks of them */
-    int interfaces[SIDE_COUNT]; /* the eight-element array, to be compared */
-    double timeout;             /* the client's, seconds */
+    int cx, cy;                 /* cells of the grid; the server compares them with its own */
+    uint64_t elements;          /* of the whole run; compared, too */
+    struct cell_rect *rects;    /* by rank */
+    int interfaces[SIDE_COUNT]; /* the eight-element array; compared, too */
+    double timeout;             /* of the client, seconds */
     int64_t hash_every;         /* 0: never */
     bool rebuild_first;         /* the first step ends with a rebuild */
-    bool copy_first;            /* the state comes with the first step */
-    int64_t start; /* the step to start from; its state follows in STATE messages; -1: generate */
+    bool copy_first;            /* the server sends the state with the first step */
+    int64_t start; /* the step to start from, whose state follows in STATE messages; -1: generate */
 };
 
 struct ready_message {
     uint64_t owned, mirrored, bytes;
-    uint64_t hash; /* of the state at step 0, where hashes are wanted */
+    uint64_t hash; /* of the state before the first step, where hash_every > 0 */
 };
 
 struct step_message {
-    int64_t step;      /* the state that the segments belong to */
+    int64_t step;      /* of the state after this step, to which the segments belong */
     bool rebuild;      /* segments are parcels, not updates */
-    uint64_t owned;    /* elements owned after the step, before the exchange; */
-    uint64_t migrants; /* those of them that leave in the segments */
-    double dmax;       /* cm */
-    double busy;       /* seconds of work since the last message */
-    bool measured;     /* measures (of state step - 1) are there */
-    bool hashed;
-    bool surveyed; /* the spread is there */
+    uint64_t owned;    /* elements owned after the step, before the exchange */
+    uint64_t migrants; /* of `owned`: elements that leave in the segments */
+    double dmax;       /* greatest displacement in this step, cm */
+    double busy;       /* seconds of work since the last NEXT */
+    bool measured;     /* `measures` is there, of the state step - 1 */
+    bool hashed;       /* `hash` is there */
+    bool surveyed;     /* `spread` is there */
     struct spread spread;
     struct measures measures;
     uint64_t hash; /* of the server's part of the state `step` */
@@ -120,36 +119,38 @@ struct step_message {
 
 struct next_message {
     int64_t step;
-    bool redo;         /* no segments: send the same step again as a rebuild */
+    bool redo;         /* send the same step again as a rebuild; no segments */
     bool rebuild_next; /* the next step ends with a rebuild */
-    bool copy_next;    /* the state comes with the next step */
-    bool survey_next;  /* the spread comes with the next step */
+    bool copy_next;    /* the server sends the state with the next step */
+    bool survey_next;  /* the server sends its spread with the next step */
     uint32_t n_segments;
 };
 
-/* A copy: from a server, of the step of the STEP message that follows; from the client, to start from. */
+/* STATE_COPY is, from a server, the state of the STEP message that follows; from the client, the state to
+ * start from. */
 enum state_purpose { STATE_SNAPSHOT = 1, STATE_FINAL = 2, STATE_COPY = 3 };
 
 struct state_message {
     int64_t step;
-    enum state_purpose purpose; /* a snapshot has measures beside its elements */
-    bool last;                  /* this server's part is complete */
-    size_t n_elements, n_pairs; /* n_elements elements, their measures, n_pairs pairs follow */
+    enum state_purpose purpose; /* a STATE_SNAPSHOT has measures after its elements */
+    bool last;                  /* no more STATE messages follow for this state */
+    size_t n_elements, n_pairs; /* n_elements elements, their measures, and n_pairs pairs follow */
 };
 
-/* What a server counted in a session; seconds. */
+/* Sums over a session, in seconds where nothing else is said. */
 struct server_times {
     double forces, integrate, rebuild, pack, wait, unpack, output;
-    double ahead; /* of forces: while the others' states were on the way */
-    double cpu;   /* of the processor: computing, packing and unpacking in all steps */
-    uint64_t steps, rebuilds, migrants, mirrored; /* migrants sent away; mirrored: sum over steps */
+    double ahead; /* of forces, while NEXT was on the way */
+    double cpu;   /* processor seconds of computing, packing and unpacking in all steps */
+    uint64_t steps, rebuilds;
+    uint64_t migrants, mirrored; /* elements sent away; elements mirrored, summed over steps */
     uint64_t messages_in, messages_out, bytes_in, bytes_out;
 };
 
-/* Behind it stand n_bins bins (wire_get_bin). */
+/* n_bins bins follow (wire_get_bin). */
 struct profile_message {
     int64_t step;
-    size_t which; /* of the deck's profiles */
+    size_t which; /* index of a profile of the deck */
     size_t n_bins;
 };
 
@@ -158,17 +159,17 @@ struct done_message {
     struct server_times times;
 };
 
-/* What a server says about itself. */
+/* The state of a server. */
 struct report_message {
     char version[VERSION_TEXT_MAX + 1]; /* of the program */
     bool busy;
-    char peer[SOCKET_NAME]; /* with whom, */
-    double seconds;         /* for how long */
+    char peer[SOCKET_NAME]; /* the client that is served */
+    double seconds;         /* since its session began */
     char deck[200];         /* empty: not known yet */
     int rank, ranks;        /* 0 of 0: not known yet */
     int64_t step;
-    uint32_t waiting; /* clients whose turn has not come */
-    double load;      /* machine_load(): -1 where it is not known */
+    uint32_t waiting; /* clients that wait for their turn */
+    double load;      /* machine_load(); -1: not known */
     int cores;
 };
 
@@ -177,12 +178,12 @@ struct error_message {
     char text[600];
 };
 
-/* All that somebody is told who has not shown that he has the key. */
+/* The text of each ERROR to a peer that has not proved the key. */
 #define REFUSAL_TEXT "not admitted"
 
-/* Each put appends to w; each get reads a whole payload, or the head of one that continues (STEP, NEXT,
- * STATE), and leaves r->failed where it cannot be. What a get allocated is freed by the function beside it,
- * also after a failure. */
+/* message_put_X appends to w. message_get_X reads a whole payload, or the head of a payload that continues
+ * (STEP, NEXT, STATE, PROFILE), and sets r->failed where the bytes are no such message. message_free_X frees
+ * the memory that message_get_X allocated, also after a failure. */
 void message_put_hello(struct bytes_writer *w, const struct hello_message *m);
 void message_get_hello(struct bytes_reader *r, struct hello_message *m);
 void message_put_deck(struct bytes_writer *w, const struct deck_message *m);
@@ -208,7 +209,7 @@ void message_get_report(struct bytes_reader *r, struct report_message *m);
 void message_put_error(struct bytes_writer *w, const struct error_message *m);
 void message_get_error(struct bytes_reader *r, struct error_message *m);
 
-/* "HELLO", or "type 77". For error texts; the buffer is the caller's. */
+/* The name of a type, for error texts: "HELLO", or, written to the caller's buffer, "type 77". */
 const char *message_name(uint8_t type, char buffer[16]);
 
 #endif

@@ -12,9 +12,9 @@
  * Once a channel has keys (channel_use_keys) the CRC is 0, and a tag of 16 bytes follows the header:
  * SipHash-2-4-128 of the number of the frame in its direction (u64, from 0), the header and the payload.
  *
- * Reading one fails in exactly the ways of enum frame_fault, deadlines and broken connections apart. The
- * magic is looked at as soon as four bytes are there, the version and the length before any payload is read;
- * memory grows with the bytes that arrive, never with the length that is claimed. */
+ * Reading a frame fails in exactly the ways of enum frame_fault, apart from deadlines and broken connections.
+ * The magic is checked as soon as four bytes have come, the version and the length before any payload is
+ * read; memory grows with the bytes that arrive, never with the length in the header. */
 #ifndef DM2_NET_FRAME_H
 #define DM2_NET_FRAME_H
 
@@ -33,10 +33,10 @@ enum { FRAME_HEADER = 16, FRAME_TAG = SIPHASH_BYTES };
 
 enum frame_fault {
     FRAME_GOOD = 0,
-    FRAME_BAD_MAGIC, /* the magic is another: not this protocol at all */
+    FRAME_BAD_MAGIC, /* another magic: the peer speaks another protocol */
     FRAME_VERSION,   /* another protocol version */
     FRAME_TOO_LONG,  /* the length exceeds what the reader allows here */
-    FRAME_CHECKSUM,  /* the bytes were changed on the way */
+    FRAME_CHECKSUM,  /* checksum or tag differs: the bytes were changed on the way */
     FRAME_CUT        /* the stream ended inside a frame */
 };
 
@@ -47,7 +47,7 @@ struct frame_header {
 };
 
 void frame_header_encode(const struct frame_header *h, unsigned char out[FRAME_HEADER]);
-/* FRAME_BAD_MAGIC, FRAME_VERSION, FRAME_TOO_LONG or FRAME_GOOD; *out is filled as far as it can be read. */
+/* FRAME_BAD_MAGIC, FRAME_VERSION, FRAME_TOO_LONG or FRAME_GOOD; *out is filled in all cases. */
 enum frame_fault frame_header_decode(const unsigned char in[FRAME_HEADER], uint16_t version, uint32_t limit,
                                      struct frame_header *out);
 
@@ -62,49 +62,56 @@ struct frame {
 struct channel {
     int fd;
     uint16_t version;
-    char name[SOCKET_NAME]; /* the peer, for messages */
-    unsigned char *buffer;  /* bytes as they came: a frame from the start on, then what already follows it */
+    char name[SOCKET_NAME]; /* of the peer, for error texts */
+    unsigned char *buffer;  /* received bytes: a frame at the start, then the bytes that follow it */
     size_t cap, filled;
-    size_t taken;     /* bytes of the frame that was handed out last; gone with the next receive */
-    bool header_good; /* the header at the start has been checked: `in` holds */
+    size_t taken;     /* bytes of the frame that was handed out last; the next receive drops them */
+    bool header_good; /* the header at the start of buffer is checked, and `in` holds it */
     struct frame_header in;
     double heard; /* clock_now() when the last byte came */
     uint64_t frames_in, frames_out, bytes_in, bytes_out;
-    bool keyed; /* frames have tags by these keys */
+    bool keyed; /* frames have tags under these keys */
     unsigned char key_in[SIPHASH_KEY], key_out[SIPHASH_KEY];
-    uint64_t tags_in, tags_out; /* frames with tags so far */
+    uint64_t tags_in, tags_out; /* frames with tags so far: the number of the next one */
 };
 
-/* Takes the descriptor over. */
+/* Makes a channel of a connected descriptor, which is the channel's from then on. */
 void channel_open(struct channel *ch, int fd, uint16_t version, const char *name);
+
+/* Closes the descriptor and frees the buffer. */
 void channel_close(struct channel *ch);
 
-/* From the next frame on, in both directions: tags in place of checksums. The peer must do so at the same
- * frame. */
+/* From the next frame on, frames of both directions have tags in place of checksums. The peer must change at
+ * the same frame. */
 void channel_use_keys(struct channel *ch, const unsigned char in[SIPHASH_KEY],
                       const unsigned char out[SIPHASH_KEY]);
 
-/* Closes in a way that lets the peer read what was sent last: ends the stream and discards what still comes,
- * until the peer ends its own or the deadline. */
+/* channel_close, but so that the peer can read the last message: ends the stream and discards the bytes that
+ * still come, until the peer ends its stream or the deadline. */
 void channel_hang_up(struct channel *ch, struct deadline until);
 
-/* Sends one frame, its payload gathered from the parts, with one write where the connection takes it. iov[0]
- * is left to this function (for the header); the payload is iov[1 .. n_iov-1]; all are used up. The texts of
- * failures name the peer. DM2_NET, DM2_TIMEOUT, DM2_INTERRUPTED. */
+/* Sends one frame, in one write where the connection takes it. The payload is gathered from iov[1 ..
+ * n_iov-1]; iov[0] becomes the header; the contents of iov are undefined afterwards. The texts of failures
+ * name the peer. DM2_NET, DM2_TIMEOUT, DM2_INTERRUPTED; DM2_PROTOCOL where the payload exceeds
+ * FRAME_LENGTH_MAX. */
 enum dm2_status channel_send_parts(struct channel *ch, uint8_t type, uint8_t flags, struct iovec *iov,
                                    size_t n_iov, struct deadline until, struct dm2_error *err);
+/* The same, with the payload in one part. */
 enum dm2_status channel_send(struct channel *ch, uint8_t type, uint8_t flags, const void *payload,
                              size_t length, struct deadline until, struct dm2_error *err);
 
-/* Have bytes behind the last frame come already? Then poll must not be asked before they are taken. */
+/* Does the buffer hold bytes behind the last frame? They must be taken before a poll, because poll does not
+ * see them. */
 bool channel_pending(const struct channel *ch);
 
-/* Takes what has arrived, without waiting. *complete tells whether *out is a whole frame. DM2_PROTOCOL with
- * the fault, DM2_NET where the peer closed between frames or the connection broke. */
+/* Takes the bytes that have come, without waiting. *complete tells whether *out is a whole frame, whose
+ * payload has at most `limit` bytes. DM2_PROTOCOL with the fault; DM2_NET where the peer closed or the
+ * connection broke; DM2_MEMORY. */
 enum dm2_status channel_receive_some(struct channel *ch, uint32_t limit, bool *complete, struct frame *out,
                                      struct dm2_error *err);
 
-/* Waits for a whole frame. The deadline holds for the frame, not for each byte. */
+/* Waits for a whole frame. The deadline holds for the frame, not for each byte. Failures as of
+ * channel_receive_some, DM2_TIMEOUT, DM2_INTERRUPTED. */
 enum dm2_status channel_receive(struct channel *ch, uint32_t limit, struct deadline until, struct frame *out,
                                 struct dm2_error *err);
 
