@@ -1,6 +1,6 @@
-/* Linked into a program in front of the system's calls (-Wl,--wrap): the Nth call that could fail does fail,
- * once. DM2_FAIL=CLASS:N, with CLASS memory, open, write, fsync, rename, read, socket (also accept, connect,
- * pipe, fork), poll or writev. The file DM2_FAIL_MARK is then there. */
+/* Linked into a program in front of the system's calls (-Wl,--wrap). DM2_FAIL=CLASS:N makes the Nth call of a
+ * class fail, once; CLASS is memory, open, write, fsync, rename, read, socket (also accept, connect, pipe,
+ * fork), poll or writev. The call that fails creates the file DM2_FAIL_MARK. */
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -48,6 +48,7 @@ pid_t __wrap_fork(void);
 
 static long calls;
 
+/* Counts the calls of the class that DM2_FAIL names; true for the Nth. */
 static int must_fail(const char *class)
 {
     const char *plan = getenv("DM2_FAIL");

@@ -1,5 +1,5 @@
-/* Linked into dm2-server in front of the engine (-Wl,--wrap): from step 5 on it counts an element more than
- * it owns, as a server would that has kept one which another has taken over. */
+/* Linked into dm2-server in front of the engine (-Wl,--wrap): from step 5 on subdomain_owned counts one
+ * element too many, as in a server that has kept an element which another server has taken over. */
 #include "dm2/engine/subdomain.h"
 
 size_t __real_subdomain_owned(const struct subdomain *sd);

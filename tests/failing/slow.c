@@ -1,5 +1,5 @@
-/* Linked into dm2-server in front of the engine (-Wl,--wrap): a slow machine. Wherever the engine says that
- * it is at work, DM2_SLOW milliseconds pass; with DM2_MUTE nobody hears that it said so. */
+/* Linked into dm2-server in front of the engine (-Wl,--wrap): a slow machine. Each pulse_beat of the engine
+ * takes DM2_SLOW milliseconds more; with DM2_MUTE the server then sends no ALIVE. */
 #include <errno.h>
 #include <stdlib.h>
 #include <time.h>

@@ -1,6 +1,6 @@
-/* Linked into dm2-server in front of the engine (-Wl,--wrap): from step 5 on a number of the first element in
- * each update that it sends is another one. DM2_SPOIL is "NUMBER VALUE": which of the element's numbers (0
- * and 1: its position), and what it becomes (nan, inf, 1e300...). */
+/* Linked into dm2-server in front of the engine (-Wl,--wrap): from step 5 on one number of the first element
+ * in each update has another value. DM2_SPOIL is "NUMBER VALUE": the index of the number (0 and 1: the
+ * position) and its value (nan, inf, 1e300...). */
 #include <stdlib.h>
 
 #include "dm2/engine/subdomain.h"

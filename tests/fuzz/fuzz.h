@@ -1,4 +1,4 @@
-/* What every fuzz target has: libFuzzer's entry point, which replay.c calls as well. */
+/* The entry point of a fuzz target, which libFuzzer and replay.c call. */
 #ifndef DM2_TESTS_FUZZ_H
 #define DM2_TESTS_FUZZ_H
 

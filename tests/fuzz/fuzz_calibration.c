@@ -1,4 +1,4 @@
-/* Any text as a calibration file. */
+/* Fuzz target: the bytes are the text of a calibration file. */
 #include "fuzz.h"
 
 #include "dm2/performance/calibration.h"

@@ -1,19 +1,19 @@
-/* The bytes are all that servers send to a client: to one that asks for the status, one that measures the
- * network, or one that runs a small deck, with a key or without. Byte 0 says which; frames follow: type,
- * length (u16), payload.
+/* Fuzz target: the bytes are all that servers send to a client, which runs a small deck, measures the
+ * network, or asks for the status, with a key or without.
  *
  *     byte 0, bits 0 and 1   0: a run; 1: the network, of one server; 2: the status
  *     bit 2                  the client has a key
  *     bit 3                  two servers (of a run)
- *     bit 4                  a server that is lost is made good
+ *     bit 4                  the client recovers from the loss of a server
  *
- * An empty GRANT gets the code that a friend would send, and the frames behind it get tags: what is behind
- * the handshake is reached, too. Type RAW: bytes as they are, in place of a frame. Type NEXT_SERVER: what
- * follows comes from the other one.
+ * Frames follow: type, length (u16), payload. Type RAW: the payload is sent as it is, without a header. Type
+ * NEXT_SERVER: the frames behind it come from the other server. With a key an empty GRANT gets the code of a
+ * server that has the key, and the frames behind it get tags, so that the input reaches the code behind the
+ * handshake.
  *
- * The linker puts two functions of this file in the place of socket_connect and auth_nonce (the Makefile's
- * FUZZ_WRAP). All that a server has to say is there when the client has connected; then its stream ends, so
- * that nobody waits. */
+ * The linker replaces socket_connect and auth_nonce by two functions of this file (the Makefile's FUZZ_WRAP).
+ * All bytes of a server are written when the client connects; then the stream of the server ends, so that the
+ * client does not wait. */
 #include "fuzz.h"
 
 #include <fcntl.h>
@@ -39,7 +39,7 @@ static const char DECK[] =
 
 static const struct auth_key KEY = {{1}};
 
-/* What the servers say. */
+/* The bytes that the servers send. */
 static struct {
     const uint8_t *bytes;
     size_t length;
@@ -48,6 +48,7 @@ static struct {
     int n;
 } script;
 
+/* A reader at the first frame of a server; empty where the script has none. */
 static struct bytes_reader script_of(int server)
 {
     struct bytes_reader r = bytes_reader_of(script.bytes, script.length);
@@ -63,7 +64,7 @@ static struct bytes_reader script_of(int server)
     return r;
 }
 
-/* A server's code, and the session's keys from then on. */
+/* Sends GRANT with the server's code; the frames behind it have tags under the session's keys. */
 static void put_grant(struct channel *ch, const struct auth_nonces *nonces)
 {
     unsigned char code[AUTH_CODE], in[SIPHASH_KEY], out[SIPHASH_KEY];
@@ -74,6 +75,7 @@ static void put_grant(struct channel *ch, const struct auth_nonces *nonces)
     channel_use_keys(ch, in, out);
 }
 
+/* Writes all frames of a server and ends its stream. */
 static void send_script(int fd, int server)
 {
     struct channel ch;
@@ -127,7 +129,7 @@ enum dm2_status __wrap_auth_nonce(unsigned char nonce[AUTH_NONCE], struct dm2_er
     return DM2_OK;
 }
 
-/* The deck, made ready once. */
+/* The deck, loaded once. */
 struct prepared {
     bool ready;
     struct deck_text text;

@@ -1,4 +1,4 @@
-/* Any text as a deck. */
+/* Fuzz target: the bytes are the text of a deck. */
 #include "fuzz.h"
 
 #include <stdlib.h>

@@ -1,4 +1,5 @@
-/* The first byte chooses a message, or what segments and states are made of; the rest is its payload. */
+/* Fuzz target: byte 0 is the type of a message, or stands for a parcel or for records, which segments and
+ * states are made of; the other bytes are the payload. */
 #include "fuzz.h"
 
 #include "dm2/cluster/messages.h"
@@ -6,7 +7,7 @@
 
 enum { PARCEL = 100, RECORDS = 101 };
 
-/* One of each. */
+/* Reads one record of each kind. */
 static void get_records(struct bytes_reader *r, const struct wire_limits *limits)
 {
     struct element e;
@@ -21,7 +22,7 @@ static void get_records(struct bytes_reader *r, const struct wire_limits *limits
     wire_get_bin(r, &bin);
 }
 
-/* A message that allocates nothing. */
+/* Reads a message that allocates nothing. */
 static void get_message(uint8_t type, struct bytes_reader *r)
 {
     union {

@@ -1,5 +1,5 @@
-/* What users hand to the programs beside decks: byte 0 chooses a hosts file, a network of --allow, a table or
- * a snapshot; the rest is its text. */
+/* Fuzz target: byte 0 chooses a hosts file, a network of --allow, a table or a snapshot, which users give to
+ * the programs besides decks; the other bytes are the text. */
 #include "fuzz.h"
 
 #include <stdio.h>
@@ -48,7 +48,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     struct allow_list allow = {0};
     if (size == 0)
         return 0;
-    char *text = malloc(size); /* not a byte more than there is */
+    char *text = malloc(size); /* of the exact size, so that a read beyond the end is found */
     if (text == NULL)
         return 0;
     memcpy(text, data + 1, size - 1);

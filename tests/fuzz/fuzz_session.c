@@ -1,6 +1,6 @@
-/* The bytes are all that a client sends. Byte 0 says whether the server has a key, and whether it has time
- * (bit 1: it has not, and the bytes come from one who stands in the lobby); magic, version and checksum of
- * frames are put right, so that what is behind them is reached. The server's nonce is 0 (the Makefile's
+/* Fuzz target: the bytes are all that a client sends. Bit 0 of byte 0: the server has a key. Bit 1: the
+ * server is busy, and the bytes come from a visitor in the lobby. Magic, version and checksum of frames are
+ * corrected, so that the input reaches the code behind their checks. The server's nonce is 0 (the Makefile's
  * FUZZ_WRAP). */
 #include "fuzz.h"
 
@@ -16,7 +16,7 @@
 
 enum { MOST = 60000 }; /* fits into the socket's buffer */
 
-/* The frames among the bytes, and what is left of them. A proof that begins with a 0 becomes the right one,
+/* Sends the complete frames among the bytes, then the rest. A PROOF that begins with 0 gets the right code,
  * and the frames behind it get tags. */
 static void send_frames(int fd, const unsigned char *bytes, size_t n, const struct auth_key *key)
 {
@@ -50,7 +50,7 @@ static void send_frames(int fd, const unsigned char *bytes, size_t n, const stru
     struct iovec rest[2] = {{(void *)(uintptr_t)bytes, n}, {NULL, 0}};
     if (n >= FRAME_HEADER) {
         h.version = PROTOCOL_VERSION;
-        frame_header_encode(&h, head); /* the magic, too */
+        frame_header_encode(&h, head); /* with the right magic */
         rest[0] = (struct iovec){head, FRAME_HEADER};
         rest[1] = (struct iovec){(void *)(uintptr_t)(bytes + FRAME_HEADER), n - FRAME_HEADER};
     }
@@ -65,7 +65,7 @@ enum dm2_status __wrap_auth_nonce(unsigned char nonce[AUTH_NONCE], struct dm2_er
     return DM2_OK;
 }
 
-/* A server that is busy looks at what has come; takes fd over. */
+/* Lets a busy server handle a visitor with the connection fd, which is closed. */
 static void visit_lobby(int fd, const struct server_options *options)
 {
     struct lobby lobby;

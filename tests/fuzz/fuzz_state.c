@@ -1,4 +1,4 @@
-/* The bytes before the checksum of a state file, which is put right. */
+/* Fuzz target: the bytes are a state file without its checksum, which is appended. */
 #include "fuzz.h"
 
 #include <stdio.h>

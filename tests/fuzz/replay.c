@@ -1,6 +1,6 @@
-/* Runs a fuzz target without a fuzzer:  replay N FILE...  gives it every file as it is, and N times with
- * random changes (always the same ones): bits turned, bytes replaced, pieces cut out or repeated. Nothing may
- * crash. */
+/* Runs a fuzz target without a fuzzer:  replay N FILE...  runs the target on every file as it is, and N times
+ * with random changes, the same in each run: bits turned, bytes replaced, pieces cut out or repeated. No
+ * input may crash the target. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +14,7 @@ enum { MOST = 1 << 20 };
 
 static unsigned char changed[2 * MOST];
 
-/* One change; returns the new length. */
+/* Makes one change to the n bytes of `changed`; returns their new number. */
 static size_t change_bytes(size_t n, uint64_t file, uint64_t k)
 {
     size_t at = n > 0 ? random_bits(file, k, 1) % n : 0, span = 1 + random_bits(file, k, 2) % 16;

@@ -1,5 +1,8 @@
-/* Is the run directory of the plate impact (input/plate-impact.dm2) what the paper's section 7.1 shows?
- *   check_impact RUN
+/* Checks that the run directory of the plate impact (input/plate-impact.dm2) shows the results of the paper's
+ * section 7.1:
+ *
+ *     check_impact RUN
+ *
  * Reads history.csv, the first and the last snapshot and final.dm2 with the project's own readers. */
 #include "../unit/check.h"
 
@@ -59,7 +62,7 @@ static void check_history(void)
     CHECK(peak > 0.040 && peak < 0.048);
     CHECK(energy < 0.005);
     CHECK(momentum < 1e-12);
-    CHECK(flyer[last] < 0.5 * target[last]); /* they part */
+    CHECK(flyer[last] < 0.5 * target[last]); /* the flyer separates from the target */
     free(elements);
     free(total);
     free(px);
@@ -70,7 +73,8 @@ static void check_history(void)
     csv_free(&h);
 }
 
-/* Mean height of each row at the end; an element's row is that of its place at the start. */
+/* Checks the mean height of each row at the end. The row of an element follows from its position at the
+ * start. */
 static void check_rows(void)
 {
     struct dm2_error err = {0};
@@ -103,9 +107,9 @@ static void check_rows(void)
     printf("flyer and target: rows %g row distances apart\nspall: target rows %zu and %zu are %g row "
            "distances apart\n",
            interface / row, at, at + 1, widest / row);
-    CHECK(interface > 1.2 * 0.04); /* further than elements touch, or links would hold */
-    CHECK(widest > 1.4 * row);     /* torn, */
-    CHECK(at >= 10 && at <= 18);   /* in the upper half of the target's 22 rows */
+    CHECK(interface > 1.2 * 0.04); /* farther apart than elements in contact or linked */
+    CHECK(widest > 1.4 * row);     /* the target is torn */
+    CHECK(at >= 10 && at <= 18);   /* in the upper half of its 22 rows */
     vtp_free(&start);
     vtp_free(&end);
 }

@@ -1,6 +1,8 @@
-/* Writes a made-up state as a snapshot, for tests and for looking at pictures without running anything:
- *   fake_snapshot COLUMNS ROWS OUT.vtp|OUT.xyz
- * Two plates on a triangular lattice after an impact, torn open in the upper one. */
+/* Writes an invented state as a snapshot, for tests, and for pictures without a run:
+ *
+ *     fake_snapshot COLUMNS ROWS OUT.vtp|OUT.xyz
+ *
+ * The state is two plates on a triangular lattice after an impact, of which the upper one is torn. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

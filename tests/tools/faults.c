@@ -1,21 +1,27 @@
 /* Runs dm2-client through faults (tests/tools/proxy.c) that are drawn from seeds, and judges how each run
  * ends.
  *
- *     faults SEED RUNS FAULTS TIMEOUT     seeds from SEED on, until FAULTS faults have happened, of every
- * kind one at least, or RUNS runs are done
+ *     faults SEED RUNS FAULTS TIMEOUT
+ *
+ * Seeds go from SEED on, until FAULTS faults have happened and each kind at least once, or RUNS runs are
+ * done.
  *
  * The working directory has deck.dm2, its sequential results in whole/, their names in `results`, one per
- * line, and a key file `key`; DM2_BIN and DM2_BUILD are set. A seed chooses the number of servers, 2 to 8,
- * whether there is a key, checkpoints, whether killed servers come back, and one to three faults; what the
- * first is goes round with the seed, so that consecutive seeds cover every kind. Servers live on from run to
- * run.
+ * line, and a key file `key`; DM2_BIN and DM2_BUILD are set. A seed chooses the number of servers, 2 to 8, a
+ * key or none, checkpoints or none, whether killed servers come back, and one to three faults. The kind of
+ * the first fault goes round with the seed, so that consecutive seeds cover every kind. Servers last from run
+ * to run.
  *
- * A run is right when it ends within its deadline and
- *     same       its results are those of the sequential run to the byte, or
- *     continued  it ended with a sentence or was killed, no result is under its final name, and its last
- * checkpoint leads to the same bytes, or ended      as before, but there was no checkpoint yet and when its
- * servers serve another client afterwards. All else is a failure: its seed is printed, its directory kept,
- * and the exit status 1. The last lines are a table of kinds and ends. */
+ * A run is right when it ends within its deadline, its servers serve another client afterwards, and its end
+ * is one of
+ *
+ *     same       the results are those of the sequential run to the byte
+ *     continued  the client ended with a sentence or was killed, no result is under its final name,
+ *                and the last checkpoint leads to the same bytes
+ *     ended      as `continued`, but there was no checkpoint yet
+ *
+ * Every other run is a failure: its seed is printed, its directory is kept, and the exit status is 1. The
+ * last lines are a table of kinds and ends. */
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -45,7 +51,7 @@ struct server {
     int port;
 };
 
-/* What a seed chose, and what came of it. */
+/* The choices of a seed, and the faults that have happened. */
 struct trial {
     uint64_t seed;
     int servers, n_faults;
@@ -74,8 +80,8 @@ static void open_pipe(int fd[2])
         die("pipe");
 }
 
-/* Starts a program: `in` and `out` are descriptors or -1, `err` a file to append to, `life` is kept open as
- * descriptor 3 until it ends (-1: not). */
+/* Starts a program. `in` and `out` are descriptors or -1; `err` is a file to append to; `life` (-1: none)
+ * stays open as descriptor 3 of the program until the program ends. */
 static pid_t start_program(const char **argv, int in, int out, const char *err, int life)
 {
     pid_t pid = fork();
@@ -93,7 +99,7 @@ static pid_t start_program(const char **argv, int in, int out, const char *err, 
     _exit(127);
 }
 
-/* Reads a line, byte by byte; false: the end. */
+/* Reads a line, byte by byte; false at the end of the file. */
 static bool read_line(int fd, char line[LINE])
 {
     size_t n = 0;
@@ -124,7 +130,7 @@ static void start_server(bool keyed, int k)
     s->port = (int)strtol(strrchr(line, ':') + 1, NULL, 10);
 }
 
-/* Runs a program to its end; false: it had to be killed at its deadline. */
+/* Runs a program to its end; false where it was killed after `seconds`. */
 static bool run_program(const char **argv, const char *err, double seconds, int *status)
 {
     int life[2];
@@ -165,7 +171,7 @@ static bool same_file(const char *a, const char *b)
     return same;
 }
 
-/* Does a file have this text? */
+/* Does a line of the file contain this text? */
 static bool has_text(const char *path, const char *text)
 {
     char line[2000];
@@ -197,7 +203,7 @@ static unsigned long fault_argument(const struct trial *t, const char *kind, uin
     double ms = 1000 * strtod(client_timeout, NULL);
     if (strcmp(kind, "delay") == 0)
         return 20 + draw_number(t, which, (uint64_t)(0.4 * ms));
-    if (strncmp(kind, "stop", 4) == 0) /* half of them longer than the patience of the other end */
+    if (strncmp(kind, "stop", 4) == 0) /* half of the stops last longer than the other end's timeout */
         return 20 + draw_number(t, which, 2) * (unsigned long)(1.5 * ms) +
                draw_number(t, which + 1, (uint64_t)(0.4 * ms));
     if (strcmp(kind, "slices") == 0)
@@ -217,7 +223,7 @@ static void choose_trial(struct trial *t, uint64_t seed)
         uint64_t at = 100 * (k + 1);
         const char *kind = KIND[k == 0 ? seed % KINDS : draw_number(t, at, KINDS)];
         bool up = draw_number(t, at + 1, 2) == 1, boundary = draw_number(t, at + 2, 3) == 0;
-        /* the first mostly in the steps, one in six before them; others soon after it */
+        /* the first fault is mostly in the steps, one in six before them; the others are soon after it */
         bool stepping = k == 0 && draw_number(t, at + 3, 6) > 0;
         int frame =
             stepping ? 45 + (int)draw_number(t, at + 5, 95) : (int)draw_number(t, at + 5, k == 0 ? 50 : 12);
@@ -228,7 +234,7 @@ static void choose_trial(struct trial *t, uint64_t seed)
     }
 }
 
-/* Keeps what the proxy says has happened; a server that was killed may come back. */
+/* Notes a fault that the proxy reports; starts a server that was killed again, where the seed says so. */
 static void note_injection(struct trial *t, const char *line, int proxy_in)
 {
     char kind[16] = {0}, text[40];
@@ -253,7 +259,7 @@ static void note_injection(struct trial *t, const char *line, int proxy_in)
         die("the proxy does not listen");
 }
 
-/* The ports of a line as options of the client. */
+/* Appends the ports of a line to argv as options of the client; returns the new n. */
 static int server_options(char line[LINE], const char **argv, int n, char text[SERVERS][32])
 {
     int k = 0;
@@ -266,7 +272,7 @@ static int server_options(char line[LINE], const char **argv, int n, char text[S
     return n;
 }
 
-/* Starts the proxy; its ports come into `line`. */
+/* Starts the proxy and reads its ports into `line`. */
 static pid_t start_proxy(struct trial *t, int *in, int *out, char line[LINE])
 {
     char path[TEXT], ports[SERVERS][16];
@@ -299,7 +305,7 @@ static pid_t start_proxy(struct trial *t, int *in, int *out, char line[LINE])
     return pid;
 }
 
-/* The client through the proxy, to its end; false: it did not end. */
+/* Runs the client through the proxy; false where the client did not end before the deadline. */
 static bool run_client(struct trial *t, int *status)
 {
     char line[LINE], path[TEXT], text[SERVERS][32], who[40];
@@ -358,8 +364,8 @@ static enum outcome judge_failed(struct trial *t, const char *why)
     return FAILED;
 }
 
-/* Are all results those of the sequential run? `early`: those that are there, but for the list of snapshots,
- * which grows. */
+/* Are all results those of the sequential run? `early`: only results that exist are compared, without the
+ * list of snapshots, because the list grows. */
 static bool same_results(bool early)
 {
     char ours[TEXT], theirs[TEXT], entry[LINE];
@@ -381,7 +387,8 @@ static bool same_results(bool early)
     return same;
 }
 
-/* A run that did not come to its end: is what it left whole, and does it lead on? */
+/* Judges a run that did not come to its end: its results must be complete, and its checkpoint must lead to
+ * the same bytes. */
 static enum outcome judge_checkpoint(struct trial *t)
 {
     char path[TEXT];
@@ -415,13 +422,14 @@ static enum outcome judge_run(struct trial *t, bool ended, int status)
                                    : judge_failed(t, "its results are not those of the sequential run");
     if (WEXITSTATUS(status) > 3 || !has_text("err", "dm2-client: "))
         return judge_failed(t, "it ended without a sentence");
-    /* of the first session alone: set-ups of later ones are told with the step to go on from */
+    /* said of the first session alone: the set-up of later sessions is reported with the step to continue
+     * from */
     if (!has_text("err", "before the first step") && !has_text("err", "no server is left"))
         return judge_failed(t, "it gave up while servers were left");
     return judge_checkpoint(t);
 }
 
-/* Are all servers alive that were not killed, and do all serve another client? */
+/* Are all servers alive but the killed ones, and do all serve another client? Starts those that are not. */
 static enum outcome judge_servers(struct trial *t, enum outcome so_far)
 {
     char path[TEXT], line[LINE] = "", text[SERVERS][32];
@@ -475,7 +483,7 @@ static enum outcome try_seed(struct trial *t, uint64_t seed)
     return o;
 }
 
-/* What is left of a failure stays. */
+/* Keeps the files of a run that failed. */
 static void keep_run(uint64_t seed)
 {
     char name[64];

@@ -1,6 +1,6 @@
-/* foreground COMMAND [ARGUMENT...]: the command as a terminal starts it: in a process group of its own, whose
- * id is its own, and with Ctrl-C not ignored. A shell's background command has neither where the shell has no
- * terminal, so that kill -INT -PID could not stand for Ctrl-C. */
+/* foreground COMMAND [ARGUMENT...]: runs the command as a terminal starts it: in a process group of its own,
+ * whose id is the command's process id, and with SIGINT not ignored. A shell without a terminal does neither
+ * for its background commands, so that kill -INT -PID could not stand for Ctrl-C. */
 #include <errno.h>
 #include <signal.h>
 #include <stdio.h>

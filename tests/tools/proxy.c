@@ -1,28 +1,28 @@
-/* A TCP proxy of 127.0.0.1 between dm2-client and its servers that does harm where it is told to.
+/* A TCP proxy of 127.0.0.1 between dm2-client and its servers that injects faults.
  *
  *     proxy [--fault KIND,SERVER,DIRECTION,FRAME,BYTE,ARG]... PORT...
  *
- * It prints one line with the ports that stand for the servers' PORTs, and one line per fault when it has
- * happened. Lines of standard input say who is who: "K PID", the process of server K from 0, or of the client
- * where K is 8. The program ends with standard input.
+ * Prints one line with the ports that stand for the servers' PORTs, and one line per fault when the fault has
+ * happened. A line of standard input names a process: "K PID" is the process of server K from 0, or of the
+ * client where K is 8. The program ends with standard input.
  *
- * It follows the frames of docs/protocol.md as the honest end sends them. A fault happens in the FRAME-th
- * frame (from 0) of SERVER's connections in DIRECTION (up: to the server), counted from the fault before it,
- * at byte BYTE modulo the frame's length. That frame is collected whole, then changed:
+ * The proxy follows the frames of docs/protocol.md as a correct peer sends them. A fault happens in the
+ * FRAME-th frame (from 0) of SERVER's connections in DIRECTION (up: to the server), counted from the fault
+ * before it, at byte BYTE modulo the frame's length. The frame is collected whole, then changed:
  *
- *     reset     what is before the byte goes on, then both connections are reset
- *     halfclose what is before the byte goes on, then the end of the stream; the other direction lives
- *     truncate  what is before the byte goes on, then both connections close in order
- *     delay     the rest, and what follows, comes ARG ms later
- *     silence   the rest never comes, nor anything else in either direction
- *     slices    ARG bytes from there on come one by one
+ *     reset     the bytes before BYTE go on, then both connections are reset
+ *     halfclose the bytes before BYTE go on, then the end of the stream; the other direction stays open
+ *     truncate  the bytes before BYTE go on, then both connections close in order
+ *     delay     the rest, and all bytes after it, come ARG ms later
+ *     silence   the rest never comes, nor any other byte in either direction
+ *     slices    ARG bytes from BYTE on come one by one
  *     flip      one bit is turned
  *     drop      ARG bytes are left out
- *     double    ARG bytes come twice; at byte 0 the whole frame does
- *     swap      the rest's two halves change places; at byte 0 the frame comes after the next one
+ *     double    ARG bytes come twice; at byte 0 the whole frame comes twice
+ *     swap      the two halves of the rest change places; at byte 0 the frame comes after the next one
  *     miscount  in a STEP without key, one element too many, with the right checksum
- *     kill, stop          SIGKILL, or SIGSTOP and ARG ms later SIGCONT, to the server
- *     kill-client, stop-client   to the client */
+ *     kill, stop                 SIGKILL, or SIGSTOP and ARG ms later SIGCONT, to the server
+ *     kill-client, stop-client   the same to the client */
 #include <errno.h>
 #include <fcntl.h>
 #include <netinet/in.h>
@@ -42,7 +42,7 @@
 enum { SERVERS = 8, FAULTS = 8, CONNS = 64, HEADER = 16, TAG = 16, CHUNK = 65536 };
 enum { STEP = 7, PROOF = 22, GRANT = 23, OWNED_AT = 9 };
 
-/* Bytes that grow. */
+/* An array of bytes that grows. */
 struct store {
     unsigned char *data;
     size_t n, cap;
@@ -51,22 +51,22 @@ struct store {
 /* One direction of a connection. */
 struct stream {
     int server, direction;      /* 1: up */
-    unsigned char head[HEADER]; /* of the frame that comes in, */
-    size_t have, total;         /* so much of it, of so much */
+    unsigned char head[HEADER]; /* header of the frame that comes in */
+    size_t have, total;         /* bytes of that frame: those that have come, and all */
     bool keyed;
-    struct store frame; /* the frame that a fault is for */
-    int fault;          /* which; -1: none */
-    struct store later; /* a frame that comes after the next */
+    struct store frame; /* the frame of a fault, as far as it has come */
+    int fault;          /* index of that fault; -1: none */
+    struct store later; /* a frame that goes out after the next one */
     struct store out;
-    size_t slices;   /* bytes to go one by one */
-    double held;     /* nothing goes on before */
-    bool eof, ended; /* of what comes in, of what goes out */
-    bool deaf, shut; /* nothing is passed on any more; the output is closed */
+    size_t slices;   /* bytes that still go one by one */
+    double held;     /* clock_now() before which nothing goes out */
+    bool eof, ended; /* end of the input, and of the output */
+    bool deaf, shut; /* input is discarded; the output is closed */
 };
 
 struct conn {
     bool used, dead;
-    int fd[2]; /* client, server; the server's is -1 before it took the connection */
+    int fd[2]; /* client, server; that of the server is -1 until the connection stands */
     double retry, give_up;
     struct stream stream[2]; /* down, up */
 };
@@ -125,7 +125,7 @@ static void set_options(int fd)
     (void)setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
 }
 
-/* Writes what goes; false: the connection is gone. */
+/* Writes the bytes that the connection takes; false where the connection is broken. */
 static bool flush_stream(struct conn *c, struct stream *s)
 {
     int fd = c->fd[s->direction];
@@ -138,7 +138,7 @@ static bool flush_stream(struct conn *c, struct stream *s)
         memmove(s->out.data, s->out.data + k, s->out.n);
         if (s->slices > 0) {
             s->slices--;
-            return true; /* the next byte in the next turn */
+            return true; /* the next byte follows after the next poll */
         }
     }
     if (s->out.n == 0 && s->ended && !s->shut && fd >= 0) {
@@ -170,7 +170,7 @@ static void print_fault(const struct fault *f, const struct stream *s)
     (void)fflush(stdout);
 }
 
-/* Reads one line of standard input; false: there is none any more. */
+/* Reads one line of standard input; false at its end. */
 static bool read_pid(void)
 {
     char line[32] = {0};
@@ -185,7 +185,7 @@ static bool read_pid(void)
     return true;
 }
 
-/* Sends the signal of a fault; false: the process is gone. */
+/* Sends the signal of a fault; false where the process has ended. */
 static bool send_signal(const struct fault *f)
 {
     bool client = strstr(f->kind, "-client") != NULL, stop = strncmp(f->kind, "stop", 4) == 0;
@@ -198,12 +198,12 @@ static bool send_signal(const struct fault *f)
         sleepers[n_sleepers].pid = pids[who];
         sleepers[n_sleepers++].at = clock_now() + 1e-3 * (double)f->arg;
     } else {
-        pids[who] = -1; /* until its successor is told */
+        pids[who] = -1; /* until the id of its successor is read */
     }
     return true;
 }
 
-/* One element too many, the checksum made anew. */
+/* Counts one element too many in a STEP, with the right checksum. False where the frame is no STEP. */
 static bool miscount_elements(unsigned char *frame, size_t n)
 {
     if (frame[6] != STEP || n < HEADER + OWNED_AT + 8)
@@ -215,7 +215,7 @@ static bool miscount_elements(unsigned char *frame, size_t n)
     return true;
 }
 
-/* The frame is here: the fault happens, what is left goes on. False: the frame did not suit it. */
+/* Injects a fault into a complete frame and passes the rest on. False where the frame does not suit. */
 static bool inject_fault(struct conn *c, struct stream *s, const struct fault *f)
 {
     unsigned char *d = s->frame.data;
@@ -261,20 +261,20 @@ static bool inject_fault(struct conn *c, struct stream *s, const struct fault *f
                 c->stream[i].held = 1e300;
         } else if (strcmp(k, "halfclose") == 0) {
             s->ended = s->deaf = true;
-        } else { /* reset, truncate: closed by the caller */
+        } else { /* reset, truncate: the caller closes */
             c->dead = true;
         }
     }
     return true;
 }
 
-/* A frame of which a fault was to come has come whole. */
+/* Handles a frame with a fault, which has come whole. */
 static void finish_frame(struct conn *c, struct stream *s)
 {
     const struct fault *f = &faults[s->fault];
     s->fault = -1;
     if (!inject_fault(c, s, f)) {
-        counts[s->server][s->direction] = f->frame; /* the next one, perhaps */
+        counts[s->server][s->direction] = f->frame; /* the fault waits for the next frame */
     } else {
         print_fault(f, s);
         next_fault++;
@@ -289,7 +289,7 @@ static void finish_frame(struct conn *c, struct stream *s)
     s->frame.n = 0;
 }
 
-/* A header is complete: does a fault wait for this frame? */
+/* Handles a complete header: looks for a fault for this frame. */
 static void start_frame(struct stream *s)
 {
     s->total = HEADER + (s->keyed ? TAG : 0);
@@ -304,7 +304,7 @@ static void start_frame(struct stream *s)
         counts[s->server][s->direction]++;
 }
 
-/* Bytes came in. */
+/* Takes bytes that have come in. */
 static void feed_stream(struct conn *c, struct stream *s, const unsigned char *data, size_t n)
 {
     while (n > 0 && c->used && !s->deaf) {
@@ -353,7 +353,7 @@ static void take_connection(int server)
         (void)close(fd);
 }
 
-/* The server's side, which may be on its way back. */
+/* Connects to the server, which may be restarting. */
 static void try_server(struct conn *c)
 {
     struct sockaddr_in a = local_address(ports[c->stream[0].server]);
@@ -370,7 +370,7 @@ static void try_server(struct conn *c)
         close_conn(c, true);
 }
 
-/* Reads one direction and passes on what it can. */
+/* Reads one direction and passes on the bytes that the other end takes. */
 static void serve_stream(struct conn *c, struct stream *s, bool readable)
 {
     static unsigned char chunk[CHUNK];
@@ -404,7 +404,7 @@ static void wake_sleepers(bool all)
         }
 }
 
-/* One turn of the loop; false: standard input has ended. */
+/* Polls once and handles all connections; false where standard input has ended. */
 static bool poll_once(void)
 {
     struct pollfd p[1 + SERVERS + 2 * CONNS];
@@ -422,7 +422,7 @@ static bool poll_once(void)
                 wait = 5;
             short events = 0;
             if (c->used && c->fd[1] >= 0) {
-                /* the stream that comes in from this side is the other one */
+                /* `in` is the stream that is read from this side */
                 events = (short)((in->eof                  ? 0
                                   : in->out.n < 16 * CHUNK ? POLLIN
                                                            : 0) |

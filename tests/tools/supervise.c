@@ -1,15 +1,19 @@
-/* Runs one test for tests/run.sh:  supervise NAME SECONDS LOG COMMAND [ARGUMENT...]
+/* Runs one test for tests/run.sh:
  *
- * The command gets a process group of its own, /dev/null as standard input and LOG as output. When it ends,
- * or after SECONDS, or when the runner that started this program is gone, whatever is left of its group is
- * killed: TERM first, so that a test can end its own servers, KILL two seconds later. Then one line goes to
- * standard output, in one write, so that several supervisors can share a pipe:
+ *     supervise NAME SECONDS LOG COMMAND [ARGUMENT...]
  *
- *     NAME exit CODE SECONDS | NAME signal NUMBER SECONDS | NAME timeout 0 SECONDS | NAME broken ERRNO
- * SECONDS
+ * The command gets a process group of its own, /dev/null as standard input and LOG as output. When the
+ * command ends, or after SECONDS, or when the runner that started this program has ended, the rest of the
+ * group is killed: with TERM first, so that a test can end its own servers, with KILL two seconds later. Then
+ * one line goes to standard output, in one write, so that several supervisors can share a pipe:
  *
- * A shell could do neither part reliably: without a terminal it has no process groups, and its clock is
- * in whole seconds. */
+ *     NAME exit CODE SECONDS
+ *     NAME signal NUMBER SECONDS
+ *     NAME timeout 0 SECONDS
+ *     NAME broken ERRNO SECONDS
+ *
+ * A shell could do neither part reliably: without a terminal it has no process groups, and its clock counts
+ * whole seconds. */
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -33,7 +37,7 @@ static void note_signal(int number)
         stop_signal = number;
 }
 
-/* In the child: becomes the test. */
+/* In the child process: executes the command. */
 static void exec_test(const char *log, char **command, const sigset_t *mask)
 {
     static const int reset[] = {SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGCHLD, SIGPIPE};
@@ -59,9 +63,9 @@ static void exec_test(const char *log, char **command, const sigset_t *mask)
     _exit(errno == ENOENT ? 127 : 126);
 }
 
-/* Waits until the child has ended or the deadline or a signal to this program has come. True: it has ended.
- * It is not reaped yet: its id stays taken, so that its group can still be killed without hitting a stranger.
- */
+/* Waits for the end of the child, the deadline, a signal to this program, or the end of the runner. True: the
+ * child has ended. The child is not reaped yet, because its id then stays in use, so that no other process
+ * group can be hit when its group is killed. */
 static bool wait_for_child(pid_t child, double deadline, const sigset_t *unblocked, pid_t parent)
 {
     for (;;) {
@@ -73,7 +77,7 @@ static bool wait_for_child(pid_t child, double deadline, const sigset_t *unblock
         if (left <= 0 || stop_signal || getppid() != parent)
             return false;
         if (left > 0.5)
-            left = 0.5; /* no signal tells that the runner has died: look twice a second */
+            left = 0.5; /* calls getppid twice a second, because no signal tells of the runner's end */
         struct timespec slice = {0, (long)(left * 1e9)};
         pselect(0, NULL, NULL, NULL, &slice, unblocked);
     }
@@ -112,7 +116,7 @@ int main(int argc, char **argv)
     if (child < 0) {
         code = errno;
     } else {
-        setpgid(child, child); /* also here: whoever comes first */
+        setpgid(child, child); /* as in exec_test, because either process may come first */
         bool in_time = wait_for_child(child, start + limit, &unblocked, parent);
         if (!in_time) {
             kill(-child, SIGTERM);

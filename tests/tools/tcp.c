@@ -1,13 +1,15 @@
 /* The ends of a connection that the tests play themselves.
  *
- *     tcp send PORT     connects to 127.0.0.1, sends standard input, ends its stream, prints what comes back
- *     tcp hold PORT     connects, says HELLO, prints "connected" when it is welcome, and does nothing more
- * until standard input ends: a server without a key is busy with it tcp silent PORT   the same without a word
- *     tcp mirror        listens on a free port, prints it, takes one connection, sends back what comes
- *     tcp answer        listens on a free port, prints it, takes one connection, sends standard input
- *                       at once, and waits for the other end to close
+ *     tcp send PORT     connects to 127.0.0.1, sends standard input, ends its stream, prints the answer
+ *     tcp hold PORT     connects, sends HELLO, prints "connected" after WELCOME, and does nothing more
+ *                       until standard input ends: a server without a key is busy meanwhile
+ *     tcp silent PORT   the same without HELLO and WELCOME
+ *     tcp mirror        listens on a free port, prints the port, takes one connection, sends back its
+ *                       bytes
+ *     tcp answer        listens on a free port, prints the port, takes one connection, sends standard
+ *                       input at once, and waits for the other end to close
  *
- * Everything ends after 30 seconds. Exit status 0 unless there was no connection. */
+ * Each ends after 30 seconds. Exit status 0 unless there was no connection. */
 #include <poll.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -34,7 +36,7 @@ static void send_input(int fd)
     }
 }
 
-/* Prints what comes until the other end closes. */
+/* Prints the bytes that come until the other end closes. */
 static void print_received(int fd)
 {
     char buffer[4096];
@@ -45,7 +47,7 @@ static void print_received(int fd)
         (void)fwrite(buffer, 1, got, stdout);
 }
 
-/* Sends back what comes until the other end closes. */
+/* Sends back the bytes that come until the other end closes. */
 static void send_back(int fd)
 {
     char buffer[4096];
@@ -78,7 +80,7 @@ static int serve_connection(bool mirror)
     return 0;
 }
 
-/* True: the server's session has begun. */
+/* Sends HELLO. True: WELCOME has come, so that the server's session has begun. */
 static bool is_welcome(int fd)
 {
     const struct hello_message m = {.fingerprint = fingerprint_compute(), .version = "tcp"};
