@@ -11,9 +11,9 @@ trap 'rm -rf "$work"' EXIT
 cat <<'END'
 ## Energy books of the decks
 
-Whole runs at full size. *Off by* is the largest difference of `total` from its first value in any row of `history.csv`;
-the share is of the largest kinetic energy or work, in g cm2/us2. 1, 2, 4 and 7 servers left the same `final.dm2` and
-`history.csv` as `dm2-seq`, byte for byte.
+Whole runs at full size. *Off by* is the largest difference of `total` from its first value in any row of
+`history.csv`; *share* is this difference over the largest kinetic energy or work, in g cm2/us2. 1, 2, 4 and 7 servers
+left the same `final.dm2` and `history.csv` as `dm2-seq`, byte for byte.
 
 | deck | elements | steps | rows | kinetic or work | off by | share |
 |---|---|---|---|---|---|---|

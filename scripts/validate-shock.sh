@@ -93,15 +93,16 @@ pull_back()
 cat <<END
 # Validation
 
-Written by \`scripts/validate-shock.sh\` (shocks and spall) and \`scripts/validate-decks.sh\` (energy books). The metals are
-those of \`input/materials/\` with all that is in them: shear stiffness, yield, tensile strength, softening, heat conduction.
-What the unit tests measured is in [physics.md](physics.md).
+Written by \`scripts/validate-shock.sh\` (shocks and spall) and \`scripts/validate-decks.sh\` (energy books). The metals
+are the files of \`input/materials/\` with all their properties: shear stiffness, yield, tensile strength, softening,
+heat conduction. The results of the unit tests are in [physics.md](physics.md).
 
 ## Shock speeds
 
-Us of plane shocks in the lattice (\`uniaxial\` calibration, Morse potential, zeta = 0.1), against the fits Us = c0 + S up of
-the LASL Shock Hugoniot Data (Marsh, 1980), in cm/us. The shocks run along the close-packed rows of the lattice and normal
-to them. Shear stiffness and yield are at work: a stiffness without yield would add kt to C11, the yield stresses bound it.
+Us of plane shocks in the lattice (\`uniaxial\` calibration, Morse potential, zeta = 0.1), against the fits Us = c0 + S
+up of the LASL Shock Hugoniot Data (Marsh, 1980), in cm/us. The shocks run along the close-packed rows of the lattice
+and normal to them. Shear stiffness and yield act in the lattice: a stiffness without yield would add kt to C11; the
+yield stresses bound this addition.
 
 | metal | up | LASL | along the rows | off by | normal to the rows | off by |
 |---|---|---|---|---|---|---|
@@ -125,12 +126,12 @@ for metal in Ni Al Cu; do
 done
 cat <<END
 
-The largest difference is $worst %. Normal to the rows the lattice is the softer, the stronger the shock; along them the
-stiffer: the two directions enclose the fit, but for weak shocks, where yield adds most.
+The largest difference is $worst %. The stronger the shock, the softer is the lattice normal to the rows, and the stiffer
+along the rows: the two directions enclose the fit, except for weak shocks, where yield adds most.
 
 ## Impedance matching
 
-Nickel hits aluminium. Behind the shock the target has the velocity at which both Hugoniots have one pressure.
+Nickel hits aluminium. Behind the shock the target has the velocity at which both Hugoniots have the same pressure.
 
 | speed | matched | along the rows | off by | normal to the rows | off by |
 |---|---|---|---|---|---|
@@ -161,8 +162,8 @@ cat <<END
 
 ## Spall strength
 
-Nickel on nickel at 400 m/s; 1/2 rho0 c0 times the fall of the free surface's velocity from its peak, in Mbar. \`tensile\` of
-\`input/materials/ni.dm2\` is 0.020.
+Nickel hits nickel at 400 m/s; the spall strength is 1/2 rho0 c0 times the fall of the free surface's velocity from
+its peak, in Mbar. \`tensile\` of \`input/materials/ni.dm2\` is 0.020.
 
 | tensile Yt | normal to the rows | of Yt | along the rows | of Yt |
 |---|---|---|---|---|
@@ -185,12 +186,13 @@ longer=$(above "$(link_break=1.09 pull_back y 0.010 30 70 1350)" 0.010)
 rings=$(above "$(zeta=0.05 pull_back y 0.010 30 70 1350)" 0.010)
 cat <<END
 
-Normal to the rows the strength comes back within 10 % from 0.010 Mbar on. What is above Yt is the damping of the
-rows that are torn apart: a stress of c_n times their speed, whatever Yt is. So its share grows as Yt falls (at 0.006
-Mbar the strength is $small % above Yt), with zeta (0.2 instead of 0.1: $damped % at 0.010 Mbar) and with \`link_break\`
-(1.09 instead of 1.05: $longer % at 0.010 Mbar); twice the rows in flyer and target: $large % at 0.006 Mbar. With little
-damping (zeta = 0.05) the lattice rings, and the ringing counts as pull-back ($rings % at 0.010 Mbar). Along the rows their
-own links, 2/3 of the strength, flow first; how much those at 60 degrees add until a crack opens depends on Yt. A deck that
-is to show a given spall strength has its impact normal to the rows, as \`plate-impact.dm2\` and \`spall.dm2\` have it.
+Normal to the rows the strength is within 10 % of Yt from 0.010 Mbar on. The excess over Yt is the damping of the rows
+that are torn apart: a stress of c_n times their speed, whatever Yt is. So the share of the excess grows as Yt falls
+(at 0.006 Mbar the strength is $small % above Yt), with zeta (0.2 instead of 0.1: $damped % at 0.010 Mbar) and with
+\`link_break\` (1.09 instead of 1.05: $longer % at 0.010 Mbar); with twice the rows in flyer and target the excess is
+$large % at 0.006 Mbar. With little damping (zeta = 0.05) the lattice rings, and the ringing counts as pull-back ($rings %
+at 0.010 Mbar). Along the rows the links of a row, 2/3 of the strength, flow first; the part that the links at 60
+degrees add until a crack opens depends on Yt. A deck that is to show a given spall strength has its impact normal to
+the rows, as in \`plate-impact.dm2\` and \`spall.dm2\`.
 
 END
