@@ -140,3 +140,12 @@ enum dm2_status state_merge_finish(struct state_merge *m, struct dm2_error *err)
             return dm2_fail(err, DM2_PROTOCOL, "the pair %u-%u came twice", sorted[k].id_a, sorted[k].id_b);
     return DM2_OK;
 }
+
+struct state_view state_merge_view(const struct state_merge *m, int64_t step)
+{
+    return (struct state_view){.step = step,
+                               .elements = m->elements,
+                               .n_elements = m->n_seen,
+                               .pairs = m->pairs,
+                               .n_pairs = m->n_pairs};
+}

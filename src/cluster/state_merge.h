@@ -9,6 +9,7 @@
 #include "dm2/base/status.h"
 #include "dm2/cluster/messages.h"
 #include "dm2/cluster/wire.h"
+#include "dm2/engine/element.h"
 
 struct state_merge {
     struct wire_limits limits;
@@ -36,5 +37,8 @@ enum dm2_status state_merge_add(struct state_merge *m, const struct state_messag
 /* All parts are there: sorts the pairs. DM2_PROTOCOL: an element is missing (the first id is named), or a
  * pair came twice. */
 enum dm2_status state_merge_finish(struct state_merge *m, struct dm2_error *err);
+
+/* The state of `step` that was compiled. Its arrays belong to *m and last until the next call with it. */
+struct state_view state_merge_view(const struct state_merge *m, int64_t step);
 
 #endif

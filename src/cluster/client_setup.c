@@ -1,0 +1,321 @@
+/* Each stage sends every server its message and gathers one answer from each, as docs/protocol.md has them.
+ */
+#include "client_parts.h"
+
+#include <math.h>
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "dm2/base/bytes.h"
+#include "dm2/base/clock.h"
+#include "dm2/base/fingerprint.h"
+#include "dm2/base/hmac.h"
+#include "dm2/deck/digest.h"
+#include "state_parts.h"
+
+static const double CONNECT_SECONDS = 10.0; /* at most, to open one connection */
+static const double RETRY_SECONDS = 0.05;   /* between attempts to reach a server that was lost */
+
+/* --- connections --- */
+
+/* Connects, after a loss again and again until `until`: the server may be started anew. */
+static enum dm2_status connect_one(struct client *c, const struct endpoint *e, double until, int *fd,
+                                   struct dm2_error *err)
+{
+    int cancel = c->options->cancel;
+    for (;;) {
+        double now = clock_now();
+        enum dm2_status status = socket_connect(
+            e->host, e->port, deadline_in(fmin(CONNECT_SECONDS, c->options->timeout), cancel), fd, err);
+        if (status == DM2_OK || status == DM2_INTERRUPTED || clock_now() >= until)
+            return status;
+        if (clock_now() - now < RETRY_SECONDS) {
+            struct pollfd asked = {.fd = cancel, .events = POLLIN};
+            (void)poll(&asked, 1, (int)(1000 * RETRY_SECONDS));
+        }
+    }
+}
+
+enum dm2_status client_connect(struct client *c, struct dm2_error *err)
+{
+    double last = c->course->stepping ? clock_now() + c->options->reconnect : 0;
+    for (int k = 0; k < c->ranks; k++) {
+        const struct endpoint *e = &c->course->stations[k].at;
+        char name[SOCKET_NAME];
+        int fd;
+        struct dm2_error why = {0};
+        (void)snprintf(name, sizeof name, "%s:%d", e->host, e->port);
+        enum dm2_status status = connect_one(c, e, last, &fd, &why);
+        if (status != DM2_OK) {
+            char step[64];
+            conversation_name_step(&c->talk, step, sizeof step);
+            c->talk.culprit = k;
+            channel_open(&c->talk.peers[k].channel, -1, PROTOCOL_VERSION, name);
+            return dm2_fail(err, status, "server %d of %d, %s: %s", k, c->ranks, step, why.text);
+        }
+        channel_open(&c->talk.peers[k].channel, fd, PROTOCOL_VERSION, name);
+        c->talk.peers[k].open = true;
+    }
+    return DM2_OK;
+}
+
+/* --- the hand-shake --- */
+
+/* The server is told that this client has the key. */
+enum dm2_status client_answer_challenge(struct client *c, int rank, struct bytes_reader *r,
+                                        struct dm2_error *err)
+{
+    struct server_answers *a = &c->answers[rank];
+    unsigned char code[AUTH_CODE];
+    const unsigned char *nonce = bytes_get_raw(r, AUTH_NONCE);
+    if (!bytes_done(r))
+        return conversation_not_decoded(&c->talk, rank, "CHALLENGE", err);
+    memcpy(a->nonces.server, nonce, AUTH_NONCE);
+    a->challenged = true;
+    auth_code(c->options->key, AUTH_CLIENT, PROTOCOL_VERSION, &a->nonces, code);
+    return conversation_reply(&c->talk, rank, MESSAGE_PROOF, code, AUTH_CODE, err);
+}
+
+/* The server has proved that it has the key, too: from here on every frame is checked with the session's
+ * keys. */
+static enum dm2_status take_grant(void *context, int rank, struct bytes_reader *r, struct dm2_error *err)
+{
+    struct client *c = context;
+    struct server_answers *a = &c->answers[rank];
+    unsigned char code[AUTH_CODE], in[SIPHASH_KEY], out[SIPHASH_KEY];
+    const unsigned char *proof = bytes_get_raw(r, AUTH_CODE);
+    if (!bytes_done(r) || !a->challenged)
+        return conversation_not_decoded(&c->talk, rank, "GRANT", err);
+    auth_code(c->options->key, AUTH_SERVER, PROTOCOL_VERSION, &a->nonces, code);
+    if (!hmac_equal(code, proof, AUTH_CODE))
+        return conversation_failed(&c->talk, rank, DM2_PROTOCOL,
+                                   "it does not have the key: is this the right machine?", err);
+    auth_session_key(c->options->key, AUTH_SERVER, PROTOCOL_VERSION, &a->nonces, in);
+    auth_session_key(c->options->key, AUTH_CLIENT, PROTOCOL_VERSION, &a->nonces, out);
+    channel_use_keys(&c->talk.peers[rank].channel, in, out);
+    return DM2_OK;
+}
+
+static enum dm2_status authenticate(struct client *c, struct dm2_error *err)
+{
+    for (int k = 0; k < c->ranks; k++) {
+        struct server_answers *a = &c->answers[k];
+        enum dm2_status status = auth_nonce(a->nonces.client, err);
+        a->challenged = false;
+        bytes_clear(&c->talk.out);
+        bytes_put_raw(&c->talk.out, a->nonces.client, AUTH_NONCE);
+        if (status == DM2_OK)
+            status = conversation_send(&c->talk, k, MESSAGE_KNOCK, err);
+        if (status != DM2_OK)
+            return status;
+    }
+    return conversation_gather(&c->talk, MESSAGE_GRANT, LIMIT_HELLO, take_grant, true, err);
+}
+
+static enum dm2_status take_welcome(void *context, int rank, struct bytes_reader *r, struct dm2_error *err)
+{
+    struct client *c = context;
+    struct hello_message m;
+    char text[300];
+    message_get_hello(r, &m);
+    if (r->failed)
+        return conversation_not_decoded(&c->talk, rank, "WELCOME", err);
+    if (m.fingerprint == fingerprint_compute())
+        return DM2_OK;
+    (void)snprintf(text, sizeof text,
+                   "the arithmetic differs: fingerprint %016llx there (dm2 %s), %016llx here (dm2 %s)",
+                   (unsigned long long)m.fingerprint, m.version, (unsigned long long)fingerprint_compute(),
+                   c->options->version);
+    return conversation_failed(&c->talk, rank, DM2_PROTOCOL, text, err);
+}
+
+enum dm2_status client_greet(struct client *c, struct dm2_error *err)
+{
+    struct hello_message m = {.fingerprint = fingerprint_compute()};
+    enum dm2_status admitted = c->options->key != NULL ? authenticate(c, err) : DM2_OK;
+    if (admitted != DM2_OK)
+        return admitted;
+    (void)snprintf(m.version, sizeof m.version, "%s", c->options->version);
+    bytes_clear(&c->talk.out);
+    message_put_hello(&c->talk.out, &m);
+    for (int k = 0; k < c->ranks; k++) {
+        enum dm2_status status = conversation_send(&c->talk, k, MESSAGE_HELLO, err);
+        if (status != DM2_OK)
+            return status;
+    }
+    return conversation_gather(&c->talk, MESSAGE_WELCOME, LIMIT_HELLO, take_welcome, true, err);
+}
+
+/* --- round trips --- */
+
+static enum dm2_status take_echo(void *context, int rank, struct bytes_reader *r, struct dm2_error *err)
+{
+    struct client *c = context;
+    if (bytes_remaining(r) == c->talk.out.length &&
+        memcmp(r->data + r->at, c->talk.out.data, c->talk.out.length) == 0)
+        return DM2_OK;
+    return conversation_failed(&c->talk, rank, DM2_PROTOCOL, "it did not send the same bytes back", err);
+}
+
+/* One message of n bytes to every server, and back from every one. A pause comes first: in a time step, too,
+ * the messages find processes that have gone to sleep while others computed, and waking them up is a good
+ * part of b_N. */
+static enum dm2_status echo_once(struct client *c, uint32_t n, double *seconds, struct dm2_error *err)
+{
+    const struct timespec pause = {.tv_nsec = 200000};
+    (void)nanosleep(&pause, NULL);
+    bytes_clear(&c->talk.out);
+    for (uint32_t k = 0; k < n; k++)
+        bytes_put_u8(&c->talk.out, (uint8_t)(k * 31));
+    enum dm2_status status = DM2_OK;
+    double start = clock_now();
+    for (int k = 0; k < c->ranks && status == DM2_OK; k++)
+        status = conversation_send(&c->talk, k, MESSAGE_ECHO, err);
+    if (status == DM2_OK)
+        status = conversation_gather(&c->talk, MESSAGE_ECHO, LIMIT_DECK, take_echo, false, err);
+    *seconds = clock_now() - start;
+    return status;
+}
+
+enum dm2_status client_echo(struct client *c, struct client_echo *e, struct dm2_error *err)
+{
+    enum dm2_status status = DM2_OK;
+    double start = clock_now();
+    for (e->done = 0; e->done < e->repeats && status == DM2_OK; e->done++) {
+        if (e->done >= 2 && clock_now() - start > e->budget)
+            break;
+        for (int k = 0; k < e->sizes && status == DM2_OK; k++)
+            status = echo_once(c, e->bytes[k], &e->seconds[e->done * e->sizes + k], err);
+    }
+    return status;
+}
+
+/* --- the deck --- */
+
+static enum dm2_status take_deck_answer(void *context, int rank, struct bytes_reader *r,
+                                        struct dm2_error *err)
+{
+    struct client *c = context;
+    c->answers[rank].loaded = bytes_get_u8(r);
+    return bytes_done(r) ? DM2_OK : conversation_not_decoded(&c->talk, rank, "ANSWER", err);
+}
+
+/* The name by which a server may have the deck: the path as given, where it can lie below another directory
+ * too. */
+static const char *deck_name(const char *path)
+{
+    const char *slash = strrchr(path, '/'), *up = strstr(path, "..");
+    while (path[0] == '.' && path[1] == '/')
+        path += 2;
+    return path[0] == '/' || up != NULL ? (slash == NULL ? path : slash + 1) : path;
+}
+
+static enum dm2_status send_deck(struct client *c, bool texts, struct dm2_error *err)
+{
+    struct deck_message m = {.with_texts = texts, .source = *c->job->source};
+    char name[DECK_NAME_MAX + 1];
+    (void)snprintf(name, sizeof name, "%s", deck_name(c->options->deck_path));
+    m.name = name;
+    deck_digest(c->job->source, m.digest);
+    bytes_clear(&c->talk.out);
+    message_put_deck(&c->talk.out, &m);
+    if (c->talk.out.length > LIMIT_DECK)
+        return dm2_fail(err, DM2_DECK, "the deck's texts have %zu bytes, at most %d can be sent",
+                        c->talk.out.length, (int)LIMIT_DECK);
+    for (int k = 0; k < c->ranks; k++) {
+        enum dm2_status status =
+            c->answers[k].loaded == 0 ? conversation_send(&c->talk, k, MESSAGE_DECK, err) : DM2_OK;
+        if (status != DM2_OK)
+            return status;
+    }
+    return conversation_gather(&c->talk, MESSAGE_ANSWER, LIMIT_SMALL, take_deck_answer, false, err);
+}
+
+enum dm2_status client_share_deck(struct client *c, struct dm2_error *err)
+{
+    enum dm2_status status = c->options->send_deck ? DM2_OK : send_deck(c, false, err);
+    int missing = 0;
+    for (int k = 0; k < c->ranks; k++)
+        missing += c->answers[k].loaded == 0;
+    if (status == DM2_OK && missing > 0)
+        status = send_deck(c, true, err);
+    for (int k = 0; k < c->ranks && status == DM2_OK; k++)
+        if (c->answers[k].loaded == 0)
+            status = conversation_failed(&c->talk, k, DM2_PROTOCOL, "it did not take the deck", err);
+    return status;
+}
+
+/* --- ranks --- */
+
+static enum dm2_status take_ready(void *context, int rank, struct bytes_reader *r, struct dm2_error *err)
+{
+    struct client *c = context;
+    message_get_ready(r, &c->answers[rank].ready);
+    return r->failed ? conversation_not_decoded(&c->talk, rank, "READY", err) : DM2_OK;
+}
+
+/* Sends one rank what it owns and mirrors of the state. */
+static enum dm2_status send_share(struct client *c, int rank, const struct state_view *s,
+                                  struct dm2_error *err)
+{
+    struct state_parts parts = {.head = {.step = s->step, .purpose = STATE_COPY}};
+    struct element *elements;
+    struct pair_record *pairs;
+    enum dm2_status status =
+        state_share(c->decomposition, rank, s->elements, s->n_elements, s->pairs, s->n_pairs, &elements,
+                    &parts.n_elements, &pairs, &parts.n_pairs, err);
+    parts.elements = elements;
+    parts.pairs = pairs;
+    while (status == DM2_OK && state_parts_next(&parts, &c->talk.out))
+        status = conversation_send(&c->talk, rank, MESSAGE_STATE, err);
+    free(elements);
+    free(pairs);
+    return status;
+}
+
+enum dm2_status client_assign(struct client *c, struct dm2_error *err)
+{
+    const struct decomposition *d = c->decomposition;
+    struct state_view from = {0};
+    bool restored = course_state(c->course, c->job, &from);
+    c->copy_due = course_wants_copy(c->course, c->job, course_step(c->course, c->job) + 1);
+    struct assign_message m = {.ranks = c->ranks,
+                               .cx = d->grid.cx,
+                               .cy = d->grid.cy,
+                               .elements = model_elements(c->job->model),
+                               .rects = d->rect,
+                               .timeout = c->options->timeout,
+                               .hash_every = c->options->hash_every,
+                               .rebuild_first = rebuild_plan_expected(&c->plan),
+                               .copy_first = c->copy_due,
+                               .start = restored ? from.step : -1};
+    for (m.rank = 0; m.rank < c->ranks; m.rank++) {
+        decomposition_interfaces(d, m.rank, m.interfaces);
+        bytes_clear(&c->talk.out);
+        message_put_assign(&c->talk.out, &m);
+        enum dm2_status status = conversation_send(&c->talk, m.rank, MESSAGE_ASSIGN, err);
+        if (status == DM2_OK && restored)
+            status = send_share(c, m.rank, &from, err);
+        if (status != DM2_OK)
+            return status;
+    }
+    enum dm2_status status =
+        conversation_gather(&c->talk, MESSAGE_READY, LIMIT_SMALL, take_ready, false, err);
+    uint64_t owned = 0, hash = 0;
+    for (int k = 0; k < c->ranks; k++) {
+        owned += c->answers[k].ready.owned;
+        hash += c->answers[k].ready.hash;
+    }
+    if (status == DM2_OK && owned != m.elements)
+        return dm2_fail(err, DM2_PROTOCOL,
+                        "the servers generated %llu elements, the deck makes %llu: is the same dm2 "
+                        "installed everywhere?",
+                        (unsigned long long)owned, (unsigned long long)m.elements);
+    int64_t start = course_step(c->course, c->job);
+    if (status == DM2_OK && m.hash_every > 0 && (start % m.hash_every == 0 || start == c->job->config->steps))
+        course_tell_hash(c->course, c->options, start, hash);
+    return status;
+}

@@ -1,0 +1,245 @@
+/* During the steps
+ *
+ *     gather   STEP from every rank, with the STATE parts of a snapshot and PROFILE sums before it where they
+ *              are due
+ *     decide   sums of counts, dmax, surveys: was this exchange of the right kind, what will the next one be
+ *     route    segments to their destinations, straight out of the buffers they came in
+ *     send     NEXT to every rank
+ *     write    history, snapshots, while the servers compute */
+#include "client_parts.h"
+
+#include <stdio.h>
+
+#include "dm2/base/bytes.h"
+#include "dm2/base/clock.h"
+#include "dm2/output/results.h"
+
+static enum dm2_status take_step(void *context, int rank, struct bytes_reader *r, struct dm2_error *err)
+{
+    struct client *c = context;
+    struct server_answers *a = &c->answers[rank];
+    message_get_step(r, &a->step);
+    if (r->failed)
+        return conversation_not_decoded(&c->talk, rank, "STEP", err);
+    a->segments = (struct relay_source){
+        .segments = r->data + r->at, .length = bytes_remaining(r), .count = a->step.n_segments};
+    return DM2_OK;
+}
+
+/* What the step messages of all ranks say together. */
+struct step_sum {
+    double dmax, busy;
+    int slowest;
+    uint64_t hash;
+    struct spread spread;
+    struct measures measures;
+};
+
+static enum dm2_status sum_steps(struct client *c, bool rebuild, bool measured, bool hashed, bool surveyed,
+                                 struct step_sum *sum, struct dm2_error *err)
+{
+    uint64_t elements = 0;
+    *sum = (struct step_sum){.spread = spread_none()};
+    measures_clear(&sum->measures);
+    for (int k = 0; k < c->ranks; k++) {
+        const struct step_message *m = &c->answers[k].step;
+        if (m->step != c->talk.at || m->rebuild != rebuild || m->measured != measured ||
+            m->hashed != hashed || m->surveyed != surveyed) {
+            char text[160];
+            (void)snprintf(
+                text, sizeof text,
+                "its STEP message is of step %lld (rebuild %d, measures %d, hash %d, survey %d), not as "
+                "asked for (%d, %d, %d, %d)",
+                (long long)m->step, m->rebuild, m->measured, m->hashed, m->surveyed, rebuild, measured,
+                hashed, surveyed);
+            return conversation_failed(&c->talk, k, DM2_PROTOCOL, text, err);
+        }
+        elements += m->owned;
+        sum->dmax = m->dmax > sum->dmax ? m->dmax : sum->dmax;
+        if (m->busy > sum->busy || k == 0) {
+            sum->busy = m->busy;
+            sum->slowest = k;
+        }
+        if (surveyed)
+            spread_merge(&sum->spread, &m->spread);
+        sum->hash += m->hash;
+        if (measured)
+            measures_merge(&sum->measures, &m->measures);
+    }
+    if (elements != model_elements(c->job->model))
+        return dm2_fail(err, DM2_NUMERIC, "step %lld: the servers hold %llu elements together instead of %zu",
+                        (long long)c->talk.at, (unsigned long long)elements, model_elements(c->job->model));
+    return DM2_OK;
+}
+
+static enum dm2_status send_next(struct client *c, struct next_message m, bool segments,
+                                 struct dm2_error *err)
+{
+    int culprit = -1;
+    struct dm2_error why = {0};
+    enum dm2_status status = DM2_OK;
+    for (int k = 0; k < c->ranks && segments; k++)
+        c->sources[k] = c->answers[k].segments;
+    if (segments)
+        status = relay_run(&c->relay, c->sources, &culprit, &why);
+    if (status != DM2_OK)
+        return culprit >= 0 ? conversation_failed(&c->talk, culprit, status, why.text, err)
+                            : dm2_fail(err, status, "%s", why.text);
+    for (int k = 0; k < c->ranks; k++) {
+        struct iovec bare[RELAY_SPARE], *iov = segments ? c->relay.route[k].iov : bare;
+        m.n_segments = segments ? c->relay.route[k].count : 0;
+        bytes_clear(&c->talk.out);
+        message_put_next(&c->talk.out, &m);
+        if (c->talk.out.failed)
+            return dm2_fail(err, DM2_MEMORY, "no memory for a message");
+        iov[1] = (struct iovec){.iov_base = c->talk.out.data, .iov_len = c->talk.out.length};
+        status = conversation_send_parts(&c->talk, k, MESSAGE_NEXT, iov,
+                                         segments ? c->relay.route[k].n_iov : RELAY_SPARE, err);
+        if (status != DM2_OK)
+            return status;
+    }
+    return DM2_OK;
+}
+
+/* Decides, routes and sends: what ends one step and starts the next. *rebuild is how this exchange was asked
+ * for, and becomes how the next one will be. */
+static enum dm2_status exchange_step(struct client *c, bool *rebuild, const struct step_sum *sum,
+                                     struct dm2_error *err)
+{
+    enum dm2_status status = DM2_OK;
+    bool last = c->talk.at == c->job->config->steps;
+    if (rebuild_plan_step(&c->plan, sum->dmax, c->survey ? &sum->spread : NULL) && !*rebuild) {
+        struct step_sum again;
+        *rebuild = true;
+        c->course->report.redone++;
+        status = send_next(c, (struct next_message){.step = c->talk.at, .redo = true}, false, err);
+        if (status == DM2_OK)
+            status = conversation_gather(&c->talk, MESSAGE_STEP, LIMIT_STEP, take_step, false, err);
+        if (status == DM2_OK)
+            status = sum_steps(c, true, false, false, false, &again, err);
+        if (status != DM2_OK)
+            return status;
+    }
+    if (*rebuild) {
+        rebuild_plan_done(&c->plan);
+        c->course->report.rebuilds++;
+    }
+    *rebuild = !last && rebuild_plan_expected(&c->plan);
+    c->survey = !last && rebuild_plan_survey(&c->plan);
+    double start = clock_now();
+    c->copy_due = course_wants_copy(c->course, c->job, c->talk.at + 1);
+    const struct next_message next = {
+        .step = c->talk.at, .rebuild_next = *rebuild, .copy_next = c->copy_due, .survey_next = c->survey};
+    status = send_next(c, next, true, err);
+    c->course->report.relay += clock_now() - start;
+    return status;
+}
+
+static enum dm2_status run_step(struct client *c, int64_t n, bool *rebuild, struct dm2_error *err)
+{
+    const struct config *config = c->job->config;
+    const struct client_events *events = &c->options->events;
+    bool history = results_history_due(config, n), snapshot = results_snapshot_due(config, n);
+    int64_t every = c->options->hash_every;
+    bool hashed = every > 0 && ((n + 1) % every == 0 || n + 1 == config->steps);
+    struct step_sum sum;
+    double start = clock_now();
+    bool copy = c->copy_due;
+    c->talk.at = n + 1;
+    collection_expect(&c->collection, STATE_SNAPSHOT, snapshot, n);
+    collection_expect(&c->collection, STATE_COPY, copy, n + 1);
+    collection_expect_profiles(&c->collection, n);
+    enum dm2_status status = conversation_gather(&c->talk, MESSAGE_STEP, LIMIT_STEP, take_step, false, err);
+    if (status == DM2_OK)
+        status = sum_steps(c, *rebuild, results_measure_due(config, n), hashed, c->survey, &sum, err);
+    if (status == DM2_OK)
+        status = exchange_step(c, rebuild, &sum, err);
+    if (status != DM2_OK)
+        return status;
+    double sent = clock_now();
+    if (!snapshot && !copy) { /* a step with a snapshot or a copy is not a time step alone */
+        c->course->report.stepping += sent - start;
+        c->course->report.timed++;
+    }
+    if (history)
+        status = results_history(c->job->results, n, &sum.measures, err);
+    if (status == DM2_OK)
+        status = collection_write_profiles(&c->collection, err);
+    if (snapshot && status == DM2_OK)
+        status = collection_write(&c->collection, STATE_SNAPSHOT, err);
+    c->course->report.output += clock_now() - sent;
+    if (copy && status == DM2_OK)
+        status = collection_write(&c->collection, STATE_COPY, err);
+    course_note_copy(c->course, c->job, c->talk.at, copy && status == DM2_OK, snapshot, clock_now() - start);
+    c->course->report.steps = c->talk.at;
+    if (hashed && status == DM2_OK)
+        course_tell_hash(c->course, c->options, c->talk.at, sum.hash);
+    if (events->step != NULL && status == DM2_OK)
+        events->step(events->context, c->talk.at,
+                     c->ranks > 1 ? c->talk.peers[sum.slowest].channel.name : NULL, sum.busy);
+    if (copy && c->course->stopping && status == DM2_OK)
+        status = dm2_fail(err, DM2_INTERRUPTED, "the run was interrupted by a signal at step %lld",
+                          (long long)c->talk.at);
+    return status;
+}
+
+enum dm2_status client_run_steps(struct client *c, struct dm2_error *err)
+{
+    bool rebuild = rebuild_plan_expected(&c->plan); /* as ASSIGN said */
+    enum dm2_status status = DM2_OK;
+    for (int k = 0; k < c->ranks; k++)
+        c->talk.peers[k].awaited = true; /* the servers start without being asked */
+    c->talk.stopping = &c->course->stopping;
+    c->talk.again = c->course->stepping = true;
+    for (int64_t n = course_step(c->course, c->job); n < c->job->config->steps && status == DM2_OK; n++)
+        status = run_step(c, n, &rebuild, err);
+    return status;
+}
+
+/* --- the end --- */
+
+static enum dm2_status take_done(void *context, int rank, struct bytes_reader *r, struct dm2_error *err)
+{
+    struct client *c = context;
+    struct server_answers *a = &c->answers[rank];
+    message_get_done(r, &a->done);
+    if (r->failed)
+        return conversation_not_decoded(&c->talk, rank, "DONE", err);
+    struct server_report *s = &c->course->report.servers[rank];
+    (void)snprintf(s->name, sizeof s->name, "%s", c->talk.peers[rank].channel.name);
+    s->cells = decomposition_cells(c->decomposition, rank);
+    s->owned = a->ready.owned;
+    s->mirrored = a->ready.mirrored;
+    s->bytes = a->ready.bytes;
+    s->times = a->done.times;
+    return DM2_OK;
+}
+
+/* The last state, which the servers send unasked: as it is, then evaluated once more for the last measures.
+ */
+enum dm2_status client_finish(struct client *c, struct dm2_error *err)
+{
+    const struct config *config = c->job->config;
+    struct measures sum;
+    double start = clock_now();
+    bool snapshot = results_snapshot_due(config, config->steps);
+    collection_expect(&c->collection, STATE_FINAL, true, config->steps);
+    collection_expect(&c->collection, STATE_SNAPSHOT, snapshot, config->steps);
+    collection_expect_profiles(&c->collection, config->steps);
+    for (int k = 0; k < c->ranks; k++)
+        c->talk.peers[k].awaited = true;
+    enum dm2_status status = conversation_gather(&c->talk, MESSAGE_DONE, LIMIT_STATE, take_done, false, err);
+    measures_clear(&sum);
+    for (int k = 0; k < c->ranks; k++)
+        measures_merge(&sum, &c->answers[k].done.measures);
+    if (status == DM2_OK && results_history_due(config, config->steps))
+        status = results_history(c->job->results, config->steps, &sum, err);
+    if (status == DM2_OK)
+        status = collection_write_profiles(&c->collection, err);
+    if (status == DM2_OK && snapshot)
+        status = collection_write(&c->collection, STATE_SNAPSHOT, err);
+    if (status == DM2_OK)
+        status = collection_write(&c->collection, STATE_FINAL, err);
+    c->course->report.output += clock_now() - start;
+    return status;
+}
