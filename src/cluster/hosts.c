@@ -17,10 +17,10 @@ enum { FILE_MOST = 1024 * 1024 };
 
 enum dm2_status endpoints_add(struct endpoints *list, const char *host, int port, struct dm2_error *err)
 {
-    void *block = list->items;
-    if (mem_grow(&block, &list->cap, list->n, list->n + 1, sizeof *list->items) != 0)
+    struct endpoint *grown = mem_grown(list->items, &list->cap, list->n, list->n + 1, sizeof *grown);
+    if (grown == NULL)
         return dm2_fail(err, DM2_MEMORY, "no memory for %zu servers", list->n + 1);
-    list->items = block;
+    list->items = grown;
     struct endpoint *e = &list->items[list->n++];
     (void)snprintf(e->host, sizeof e->host, "%s", host);
     e->port = port;

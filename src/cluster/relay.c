@@ -82,12 +82,12 @@ enum dm2_status relay_run(struct relay *relay, const struct relay_source *source
     }
     for (int k = 0; k < relay->ranks; k++)
         total += RELAY_SPARE + relay->route[k].count;
-    void *block = relay->iov;
-    if (mem_grow(&block, &relay->iov_cap, 0, total, sizeof *relay->iov) != 0) {
+    struct iovec *grown = mem_grown(relay->iov, &relay->iov_cap, 0, total, sizeof *grown);
+    if (grown == NULL) {
         *culprit = -1;
         return dm2_fail(err, DM2_MEMORY, "no memory to route %zu segments", total);
     }
-    relay->iov = block;
+    relay->iov = grown;
     struct iovec *next = relay->iov;
     for (int k = 0; k < relay->ranks; k++) {
         relay->route[k].iov = next;

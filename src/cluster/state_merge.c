@@ -80,14 +80,16 @@ enum dm2_status state_merge_add(struct state_merge *m, const struct state_messag
     for (size_t k = 0; k < head->n_elements && head->purpose == STATE_SNAPSHOT && status == DM2_OK; k++)
         wire_get_measured(r, &m->measured[ids[k]]);
     free(ids);
-    void *block = m->pairs;
-    if (status == DM2_OK &&
-        mem_grow(&block, &m->pairs_cap, m->n_pairs, m->n_pairs + head->n_pairs, sizeof *m->pairs) != 0)
-        return dm2_fail(err, DM2_MEMORY, "no memory to compile %zu pairs", m->n_pairs + head->n_pairs);
-    m->pairs = block;
-    for (size_t k = 0; k < head->n_pairs && status == DM2_OK; k++)
+    if (status != DM2_OK)
+        return status;
+    size_t need = m->n_pairs + head->n_pairs;
+    struct pair_record *grown = mem_grown(m->pairs, &m->pairs_cap, m->n_pairs, need, sizeof *grown);
+    if (grown == NULL)
+        return dm2_fail(err, DM2_MEMORY, "no memory to compile %zu pairs", need);
+    m->pairs = grown;
+    for (size_t k = 0; k < head->n_pairs; k++)
         wire_get_pair(r, &m->limits, &m->pairs[m->n_pairs++]);
-    return status == DM2_OK && !bytes_done(r) ? bad_record(err) : status;
+    return bytes_done(r) ? DM2_OK : bad_record(err);
 }
 
 /* Sorted pairs, or NULL without memory. */
