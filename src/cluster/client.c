@@ -1,9 +1,8 @@
-/* One run: sessions, until one comes to its end.
+/* A run is a sequence of sessions; the last session reaches the end of the run.
  *
- * The stages of a session follow the flow of the paper's Fig. 7 and of docs/protocol.md. Any failure closes
- * all connections, which ends the session on every server. What lasts from one session to the next is struct
- * course: after the loss of a server another session starts, with servers that are there, from the last copy
- * of the state that the course holds. */
+ * The stages of a session follow the paper's Fig. 7 and docs/protocol.md. Any failure closes all connections,
+ * which ends the session on every server. After the loss of a server, struct course gives the servers and the
+ * starting state of the next session. */
 #include "dm2/cluster/client.h"
 
 #include <stdlib.h>
@@ -15,7 +14,7 @@
 
 /* --- one session --- */
 
-/* Frames that may come before the answer that is due. */
+/* Takes CHALLENGE, STATE and PROFILE frames, which come before the answer that is due. */
 static bool take_aside(void *context, int rank, enum message_type due, const struct frame *f,
                        enum dm2_status *status, struct dm2_error *err)
 {
@@ -29,8 +28,8 @@ static bool take_aside(void *context, int rank, enum message_type due, const str
     return true;
 }
 
-/* What connections need. */
-static enum dm2_status open_talk(struct client *c, struct dm2_error *err)
+/* Prepares the connections, but opens none. */
+static enum dm2_status open_conversation(struct client *c, struct dm2_error *err)
 {
     const struct client_options *o = c->options;
     c->talk = (struct conversation){
@@ -55,12 +54,12 @@ static enum dm2_status open_talk(struct client *c, struct dm2_error *err)
     return c->answers != NULL ? DM2_OK : dm2_fail(err, DM2_MEMORY, "no memory for %d servers", c->ranks);
 }
 
-/* What a run needs beside them. */
+/* Prepares a whole session. */
 static enum dm2_status open_client(struct client *c, struct dm2_error *err)
 {
     size_t n = (size_t)c->ranks;
     struct run_report *report = &c->course->report;
-    enum dm2_status status = open_talk(c, err);
+    enum dm2_status status = open_conversation(c, err);
     if (status != DM2_OK)
         return status;
     c->sources = mem_zalloc(n, sizeof *c->sources);
@@ -72,7 +71,7 @@ static enum dm2_status open_client(struct client *c, struct dm2_error *err)
     return status != DM2_OK ? status : relay_open(&c->relay, c->ranks, err);
 }
 
-/* Closes every connection; after a failure the servers learn why, as far as they listen. */
+/* Closes every connection and frees the session. After a failure, the servers get its status and text. */
 static void close_client(struct client *c, enum dm2_status status, const struct dm2_error *err)
 {
     conversation_close(&c->talk, status, err);
@@ -84,12 +83,12 @@ static void close_client(struct client *c, enum dm2_status status, const struct 
 
 /* How a session failed. */
 struct loss {
-    int culprit;   /* the rank that it failed by; -1: none */
-    bool silent;   /* by its silence */
-    bool stepping; /* once all servers were ready */
+    int culprit;   /* the rank that failed; -1: none */
+    bool silent;   /* the culprit sent nothing for options->timeout seconds */
+    bool stepping; /* the failure came after all servers were ready */
 };
 
-/* One session with every server, from the first connection on. */
+/* Runs one session, from the first connection to the last result. */
 static enum dm2_status run_session(const struct client_job *job, const struct client_options *options,
                                    struct course *course, struct loss *loss, struct dm2_error *err)
 {
@@ -112,7 +111,7 @@ static enum dm2_status run_session(const struct client_job *job, const struct cl
     if (status == DM2_OK)
         status = client_assign(&c, err);
     report->set_up += clock_now() - start;
-    c.talk.waited = 0; /* of the steps alone */
+    c.talk.waited = 0; /* the report counts the waits of the steps only */
     if (status == DM2_OK)
         status = client_run_steps(&c, err);
     if (status == DM2_OK)
@@ -130,7 +129,8 @@ static enum dm2_status run_session(const struct client_job *job, const struct cl
 
 /* --- the run --- */
 
-/* Sessions, until one comes to the end of the run or nobody is left. */
+/* Runs sessions until a session reaches the end of the run, or until the run cannot recover from a failure.
+ */
 static enum dm2_status run_course(const struct client_job *job, const struct client_options *options,
                                   struct course *course, struct dm2_error *err)
 {
@@ -140,7 +140,7 @@ static enum dm2_status run_course(const struct client_job *job, const struct cli
         enum dm2_status status = run_session(job, options, course, &loss, &why);
         if (status == DM2_OK || !course_goes_on(course, options, status, loss.culprit))
             return status == DM2_OK ? DM2_OK : dm2_fail(err, status, "%s", why.text);
-        course_tell(options, why.text);
+        course_tell_user(options, why.text);
         status = course_replace(course, job, options, loss.culprit, loss.silent || !loss.stepping, &end);
         if (status != DM2_OK)
             return dm2_fail(err, status, "%.250s: %.340s", end.text, why.text);
@@ -181,7 +181,7 @@ enum dm2_status client_measure_network(const struct client_options *options, int
     if (status != DM2_OK)
         return status;
     struct client c = {.options = options, .course = &course, .ranks = ranks};
-    status = open_talk(&c, &why);
+    status = open_conversation(&c, &why);
     if (status == DM2_OK)
         status = client_connect(&c, &why);
     if (status == DM2_OK)
@@ -189,7 +189,7 @@ enum dm2_status client_measure_network(const struct client_options *options, int
     if (status == DM2_OK)
         status = client_echo(&c, options->echo, &why);
     bytes_clear(&c.talk.out);
-    for (int k = 0; k < ranks && status == DM2_OK; k++) /* an empty one: that was all */
+    for (int k = 0; k < ranks && status == DM2_OK; k++) /* an empty ECHO ends the session */
         status = conversation_send(&c.talk, k, MESSAGE_ECHO, &why);
     close_client(&c, status, &why);
     course_close(&course);

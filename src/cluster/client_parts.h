@@ -1,7 +1,7 @@
-/* The client's side of one session, from the first connection to DONE: its set-up (client_setup.c) and its
- * steps (client_steps.c). Every function that returns a status fails with the texts of conversation.h:
- * DM2_NET, DM2_TIMEOUT, DM2_PROTOCOL, DM2_INTERRUPTED, DM2_MEMORY, the status of a server's ERROR; those that
- * write results also with DM2_IO. */
+/* The client's side of one session: set-up (client_setup.c) and steps (client_steps.c), called by client.c.
+ *
+ * Each function with a status may fail with DM2_NET, DM2_TIMEOUT, DM2_PROTOCOL, DM2_INTERRUPTED, DM2_MEMORY
+ * or the status of a server's ERROR message, the steps also with DM2_NUMERIC or DM2_IO. */
 #ifndef DM2_CLUSTER_CLIENT_PARTS_H
 #define DM2_CLUSTER_CLIENT_PARTS_H
 
@@ -19,11 +19,11 @@
 #include "course.h"
 #include "relay.h"
 
-/* What one server has answered in this session. */
+/* The answers of one server in this session. */
 struct server_answers {
-    uint8_t loaded; /* ANSWER: 0: the deck's texts are wanted */
+    uint8_t loaded; /* of ANSWER; 0: the server wants the texts of the deck */
     struct auth_nonces nonces;
-    bool challenged;
+    bool challenged; /* CHALLENGE has come */
     struct ready_message ready;
     struct step_message step;
     struct relay_source segments; /* of the last STEP message, in the channel's buffer */
@@ -43,41 +43,40 @@ struct client {
     struct relay relay;
     struct relay_source *sources; /* [ranks] */
     struct rebuild_plan plan;
-    bool copy_due; /* the state comes with this step */
-    bool survey;   /* the spread comes with this step */
+    bool copy_due; /* the state comes with the next STEP messages */
+    bool survey;   /* the spread comes with the next STEP messages */
 };
 
-/* --- before the steps (client_setup.c), in this order --- */
+/* --- client_setup.c, in the order of a session --- */
 
-/* Connects to every server of the course. In a session after a loss, servers have options->reconnect seconds
- * to be there. */
+/* Connects to every server of the course. After a loss, attempts go on for options->reconnect seconds. */
 enum dm2_status client_connect(struct client *c, struct dm2_error *err);
 
-/* Shakes hands: where a key is given, each side proves to the other that it has the key; then versions and
- * fingerprints of the arithmetic are compared. */
+/* Shakes hands: with a key, client and server prove to each other that they have the key; then the
+ * fingerprints of their arithmetic are compared. DM2_PROTOCOL: wrong proof, different fingerprints. */
 enum dm2_status client_greet(struct client *c, struct dm2_error *err);
 
-/* Takes a CHALLENGE, during client_greet: sends the code that proves the key. */
+/* Answers a server's CHALLENGE with PROOF, while client_greet awaits GRANT. */
 enum dm2_status client_answer_challenge(struct client *c, int rank, struct bytes_reader *r,
                                         struct dm2_error *err);
 
 /* Measures round trips (struct client_echo). */
 enum dm2_status client_echo(struct client *c, struct client_echo *e, struct dm2_error *err);
 
-/* Names the deck to every server, and sends its texts to those that do not have it. DM2_DECK: the texts are
- * too long to be sent. */
+/* Names the deck to every server, then sends the texts to the servers that do not have the deck. DM2_DECK:
+ * the texts are too long to be sent. */
 enum dm2_status client_share_deck(struct client *c, struct dm2_error *err);
 
-/* Assigns every server its rank and, where the run does not start from the beginning, its share of the state;
- * awaits READY. */
+/* Assigns a rank to every server, sends each its share of the state unless the run starts at the beginning,
+ * and awaits READY. */
 enum dm2_status client_assign(struct client *c, struct dm2_error *err);
 
-/* --- the steps (client_steps.c) --- */
+/* --- client_steps.c --- */
 
-/* All steps from the state of the session's start on, with their results. */
+/* Runs the steps from the session's starting step to the last one and writes their results. */
 enum dm2_status client_run_steps(struct client *c, struct dm2_error *err);
 
-/* Takes the last state and the last measures, writes them, and fills the reports of servers. */
+/* Receives the last state and the last measures, writes them, and fills course->report.servers. */
 enum dm2_status client_finish(struct client *c, struct dm2_error *err);
 
 #endif

@@ -1,5 +1,4 @@
-/* Each stage sends every server its message and gathers one answer from each, as docs/protocol.md has them.
- */
+/* Each stage sends one message to every server and gathers one answer from each (docs/protocol.md). */
 #include "client_parts.h"
 
 #include <math.h>
@@ -16,14 +15,15 @@
 #include "dm2/deck/digest.h"
 #include "state_parts.h"
 
-static const double CONNECT_SECONDS = 10.0; /* at most, to open one connection */
-static const double RETRY_SECONDS = 0.05;   /* between attempts to reach a server that was lost */
+static const double CONNECT_SECONDS = 10.0; /* for one attempt to connect, at most */
+static const double RETRY_SECONDS = 0.05;   /* between attempts to reach a lost server */
 
 /* --- connections --- */
 
-/* Connects, after a loss again and again until `until`: the server may be started anew. */
-static enum dm2_status connect_one(struct client *c, const struct endpoint *e, double until, int *fd,
-                                   struct dm2_error *err)
+/* Connects to one server, and repeats failed attempts until the time `until`, because a lost server may be
+ * started anew. */
+static enum dm2_status connect_server(struct client *c, const struct endpoint *e, double until, int *fd,
+                                      struct dm2_error *err)
 {
     int cancel = c->options->cancel;
     for (;;) {
@@ -48,7 +48,7 @@ enum dm2_status client_connect(struct client *c, struct dm2_error *err)
         int fd;
         struct dm2_error why = {0};
         (void)snprintf(name, sizeof name, "%s:%d", e->host, e->port);
-        enum dm2_status status = connect_one(c, e, last, &fd, &why);
+        enum dm2_status status = connect_server(c, e, last, &fd, &why);
         if (status != DM2_OK) {
             char step[64];
             conversation_name_step(&c->talk, step, sizeof step);
@@ -64,7 +64,6 @@ enum dm2_status client_connect(struct client *c, struct dm2_error *err)
 
 /* --- the hand-shake --- */
 
-/* The server is told that this client has the key. */
 enum dm2_status client_answer_challenge(struct client *c, int rank, struct bytes_reader *r,
                                         struct dm2_error *err)
 {
@@ -79,8 +78,7 @@ enum dm2_status client_answer_challenge(struct client *c, int rank, struct bytes
     return conversation_reply(&c->talk, rank, MESSAGE_PROOF, code, AUTH_CODE, err);
 }
 
-/* The server has proved that it has the key, too: from here on every frame is checked with the session's
- * keys. */
+/* Checks the proof of one server; from here on the session's keys check every frame. */
 static enum dm2_status take_grant(void *context, int rank, struct bytes_reader *r, struct dm2_error *err)
 {
     struct client *c = context;
@@ -99,7 +97,8 @@ static enum dm2_status take_grant(void *context, int rank, struct bytes_reader *
     return DM2_OK;
 }
 
-static enum dm2_status authenticate(struct client *c, struct dm2_error *err)
+/* Sends KNOCK to every server and gathers GRANT; CHALLENGE comes between the two. */
+static enum dm2_status prove_key(struct client *c, struct dm2_error *err)
 {
     for (int k = 0; k < c->ranks; k++) {
         struct server_answers *a = &c->answers[k];
@@ -135,7 +134,7 @@ static enum dm2_status take_welcome(void *context, int rank, struct bytes_reader
 enum dm2_status client_greet(struct client *c, struct dm2_error *err)
 {
     struct hello_message m = {.fingerprint = fingerprint_compute()};
-    enum dm2_status admitted = c->options->key != NULL ? authenticate(c, err) : DM2_OK;
+    enum dm2_status admitted = c->options->key != NULL ? prove_key(c, err) : DM2_OK;
     if (admitted != DM2_OK)
         return admitted;
     (void)snprintf(m.version, sizeof m.version, "%s", c->options->version);
@@ -160,10 +159,10 @@ static enum dm2_status take_echo(void *context, int rank, struct bytes_reader *r
     return conversation_failed(&c->talk, rank, DM2_PROTOCOL, "it did not send the same bytes back", err);
 }
 
-/* One message of n bytes to every server, and back from every one. A pause comes first: in a time step, too,
- * the messages find processes that have gone to sleep while others computed, and waking them up is a good
- * part of b_N. */
-static enum dm2_status echo_once(struct client *c, uint32_t n, double *seconds, struct dm2_error *err)
+/* Sends one message of n bytes to every server and back; *seconds is the time for all. A pause comes first,
+ * because in a time step the messages also reach sleeping processes, and waking the processes is a good part
+ * of b_N. */
+static enum dm2_status send_echo(struct client *c, uint32_t n, double *seconds, struct dm2_error *err)
 {
     const struct timespec pause = {.tv_nsec = 200000};
     (void)nanosleep(&pause, NULL);
@@ -188,7 +187,7 @@ enum dm2_status client_echo(struct client *c, struct client_echo *e, struct dm2_
         if (e->done >= 2 && clock_now() - start > e->budget)
             break;
         for (int k = 0; k < e->sizes && status == DM2_OK; k++)
-            status = echo_once(c, e->bytes[k], &e->seconds[e->done * e->sizes + k], err);
+            status = send_echo(c, e->bytes[k], &e->seconds[e->done * e->sizes + k], err);
     }
     return status;
 }
@@ -203,9 +202,9 @@ static enum dm2_status take_deck_answer(void *context, int rank, struct bytes_re
     return bytes_done(r) ? DM2_OK : conversation_not_decoded(&c->talk, rank, "ANSWER", err);
 }
 
-/* The name by which a server may have the deck: the path as given, where it can lie below another directory
- * too. */
-static const char *deck_name(const char *path)
+/* The name under which a server may find the deck: the path, if it is relative and without "..", else its
+ * last part. */
+static const char *name_deck(const char *path)
 {
     const char *slash = strrchr(path, '/'), *up = strstr(path, "..");
     while (path[0] == '.' && path[1] == '/')
@@ -213,11 +212,12 @@ static const char *deck_name(const char *path)
     return path[0] == '/' || up != NULL ? (slash == NULL ? path : slash + 1) : path;
 }
 
+/* Sends DECK to the servers that have not loaded the deck, and gathers their answers. */
 static enum dm2_status send_deck(struct client *c, bool texts, struct dm2_error *err)
 {
     struct deck_message m = {.with_texts = texts, .source = *c->job->source};
     char name[DECK_NAME_MAX + 1];
-    (void)snprintf(name, sizeof name, "%s", deck_name(c->options->deck_path));
+    (void)snprintf(name, sizeof name, "%s", name_deck(c->options->deck_path));
     m.name = name;
     deck_digest(c->job->source, m.digest);
     bytes_clear(&c->talk.out);
@@ -257,7 +257,7 @@ static enum dm2_status take_ready(void *context, int rank, struct bytes_reader *
     return r->failed ? conversation_not_decoded(&c->talk, rank, "READY", err) : DM2_OK;
 }
 
-/* Sends one rank what it owns and mirrors of the state. */
+/* Sends one rank its share of the state. */
 static enum dm2_status send_share(struct client *c, int rank, const struct state_view *s,
                                   struct dm2_error *err)
 {
@@ -265,8 +265,8 @@ static enum dm2_status send_share(struct client *c, int rank, const struct state
     struct element *elements;
     struct pair_record *pairs;
     enum dm2_status status =
-        state_share(c->decomposition, rank, s->elements, s->n_elements, s->pairs, s->n_pairs, &elements,
-                    &parts.n_elements, &pairs, &parts.n_pairs, err);
+        state_parts_share(c->decomposition, rank, s->elements, s->n_elements, s->pairs, s->n_pairs, &elements,
+                          &parts.n_elements, &pairs, &parts.n_pairs, err);
     parts.elements = elements;
     parts.pairs = pairs;
     while (status == DM2_OK && state_parts_next(&parts, &c->talk.out))

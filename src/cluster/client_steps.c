@@ -1,11 +1,10 @@
-/* During the steps
+/* A time step of the client has five parts:
  *
- *     gather   STEP from every rank, with the STATE parts of a snapshot and PROFILE sums before it where they
- *              are due
- *     decide   sums of counts, dmax, surveys: was this exchange of the right kind, what will the next one be
- *     route    segments to their destinations, straight out of the buffers they came in
+ *     gather   STEP from every rank; STATE parts and PROFILE sums come before STEP where they are due
+ *     decide   from counts, dmax and surveys: is this exchange redone, of which kind is the next one
+ *     route    segments to their destinations, out of the buffers that received them
  *     send     NEXT to every rank
- *     write    history, snapshots, while the servers compute */
+ *     write    history, profiles, snapshots, copies, while the servers compute */
 #include "client_parts.h"
 
 #include <stdio.h>
@@ -26,15 +25,17 @@ static enum dm2_status take_step(void *context, int rank, struct bytes_reader *r
     return DM2_OK;
 }
 
-/* What the step messages of all ranks say together. */
+/* The STEP messages of all ranks together. */
 struct step_sum {
-    double dmax, busy;
-    int slowest;
-    uint64_t hash;
+    double dmax;   /* cm, the maximum */
+    double busy;   /* seconds of work, the maximum, */
+    int slowest;   /* by this rank */
+    uint64_t hash; /* the sum */
     struct spread spread;
     struct measures measures;
 };
 
+/* Checks that the STEP message of every rank is the requested one, and combines all of them in *sum. */
 static enum dm2_status sum_steps(struct client *c, bool rebuild, bool measured, bool hashed, bool surveyed,
                                  struct step_sum *sum, struct dm2_error *err)
 {
@@ -72,6 +73,7 @@ static enum dm2_status sum_steps(struct client *c, bool rebuild, bool measured, 
     return DM2_OK;
 }
 
+/* Sends NEXT to every rank, with its segments or with none; m.n_segments is set here. */
 static enum dm2_status send_next(struct client *c, struct next_message m, bool segments,
                                  struct dm2_error *err)
 {
@@ -101,8 +103,8 @@ static enum dm2_status send_next(struct client *c, struct next_message m, bool s
     return DM2_OK;
 }
 
-/* Decides, routes and sends: what ends one step and starts the next. *rebuild is how this exchange was asked
- * for, and becomes how the next one will be. */
+/* Decides, routes and sends, which ends one step and starts the next. *rebuild: this exchange was requested
+ * as a rebuild; on return: the next exchange is. */
 static enum dm2_status exchange_step(struct client *c, bool *rebuild, const struct step_sum *sum,
                                      struct dm2_error *err)
 {
@@ -135,6 +137,7 @@ static enum dm2_status exchange_step(struct client *c, bool *rebuild, const stru
     return status;
 }
 
+/* Runs the step from state n to state n + 1 and writes the results of state n. */
 static enum dm2_status run_step(struct client *c, int64_t n, bool *rebuild, struct dm2_error *err)
 {
     const struct config *config = c->job->config;
@@ -157,7 +160,7 @@ static enum dm2_status run_step(struct client *c, int64_t n, bool *rebuild, stru
     if (status != DM2_OK)
         return status;
     double sent = clock_now();
-    if (!snapshot && !copy) { /* a step with a snapshot or a copy is not a time step alone */
+    if (!snapshot && !copy) { /* the time of sending a state is no part of a time step */
         c->course->report.stepping += sent - start;
         c->course->report.timed++;
     }
@@ -188,7 +191,7 @@ enum dm2_status client_run_steps(struct client *c, struct dm2_error *err)
     bool rebuild = rebuild_plan_expected(&c->plan); /* as ASSIGN said */
     enum dm2_status status = DM2_OK;
     for (int k = 0; k < c->ranks; k++)
-        c->talk.peers[k].awaited = true; /* the servers start without being asked */
+        c->talk.peers[k].awaited = true; /* the servers start the first step without a message */
     c->talk.stopping = &c->course->stopping;
     c->talk.again = c->course->stepping = true;
     for (int64_t n = course_step(c->course, c->job); n < c->job->config->steps && status == DM2_OK; n++)
@@ -215,8 +218,6 @@ static enum dm2_status take_done(void *context, int rank, struct bytes_reader *r
     return DM2_OK;
 }
 
-/* The last state, which the servers send unasked: as it is, then evaluated once more for the last measures.
- */
 enum dm2_status client_finish(struct client *c, struct dm2_error *err)
 {
     const struct config *config = c->job->config;
@@ -227,7 +228,7 @@ enum dm2_status client_finish(struct client *c, struct dm2_error *err)
     collection_expect(&c->collection, STATE_SNAPSHOT, snapshot, config->steps);
     collection_expect_profiles(&c->collection, config->steps);
     for (int k = 0; k < c->ranks; k++)
-        c->talk.peers[k].awaited = true;
+        c->talk.peers[k].awaited = true; /* DONE comes without a message to the servers */
     enum dm2_status status = conversation_gather(&c->talk, MESSAGE_DONE, LIMIT_STATE, take_done, false, err);
     measures_clear(&sum);
     for (int k = 0; k < c->ranks; k++)

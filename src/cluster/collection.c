@@ -1,5 +1,5 @@
-/* A server's part of a state is whole with the message that says so (state_message.last); nothing of that
- * state may come from that server afterwards. */
+/* A server's part of a state is whole after the message with state_message.last; a later STATE message of
+ * that server for the same state is a failure. */
 #include "collection.h"
 
 #include <stdlib.h>
@@ -10,7 +10,7 @@
 #include "dm2/cluster/wire.h"
 #include "dm2/output/results.h"
 
-static struct compilation *state_for(struct collection *c, enum state_purpose purpose)
+static struct compilation *find_state(struct collection *c, enum state_purpose purpose)
 {
     return purpose == STATE_FINAL ? &c->final : purpose == STATE_COPY ? &c->copy : &c->snapshot;
 }
@@ -19,7 +19,7 @@ static struct compilation *state_for(struct collection *c, enum state_purpose pu
 
 static enum dm2_status open_state(struct collection *c, enum state_purpose purpose, struct dm2_error *err)
 {
-    struct compilation *state = state_for(c, purpose);
+    struct compilation *state = find_state(c, purpose);
     state_merge_open(&state->merge, wire_limits_of(c->job->model));
     state->whole = mem_zalloc((size_t)c->talk->ranks, sizeof *state->whole);
     return state->whole != NULL ? DM2_OK
@@ -79,7 +79,7 @@ void collection_close(struct collection *c)
 
 void collection_expect(struct collection *c, enum state_purpose purpose, bool due, int64_t step)
 {
-    struct compilation *state = state_for(c, purpose);
+    struct compilation *state = find_state(c, purpose);
     state->due = due;
     state->step = step;
     for (int k = 0; k < c->talk->ranks; k++)
@@ -110,7 +110,7 @@ static enum dm2_status take_state(struct collection *c, int rank, struct bytes_r
     message_get_state(r, &m);
     if (r->failed)
         return conversation_not_decoded(c->talk, rank, "STATE", err);
-    struct compilation *state = state_for(c, m.purpose);
+    struct compilation *state = find_state(c, m.purpose);
     if (!state->due || m.step != state->step || state->whole[rank])
         return conversation_failed(c->talk, rank, DM2_PROTOCOL, "it sent a state that is not due", err);
     if (!m.last && m.n_elements == 0 && m.n_pairs == 0)
@@ -124,7 +124,7 @@ static enum dm2_status take_profile(struct collection *c, int rank, struct bytes
                                     struct dm2_error *err)
 {
     const struct config *config =
-        c->job != NULL ? c->job->config : NULL; /* NULL: it only measures the network */
+        c->job != NULL ? c->job->config : NULL; /* NULL: only the network is measured */
     struct profile_message m;
     message_get_profile(r, &m);
     if (r->failed)
@@ -160,7 +160,7 @@ bool collection_take(struct collection *c, int rank, const struct frame *frame, 
 
 enum dm2_status collection_write(struct collection *c, enum state_purpose purpose, struct dm2_error *err)
 {
-    struct compilation *state = state_for(c, purpose);
+    struct compilation *state = find_state(c, purpose);
     struct state_merge *m = &state->merge;
     struct dm2_error why = {0};
     state->due = false;

@@ -1,7 +1,9 @@
-/* What comes from the servers in parts: states, compiled from the STATE messages of all servers, and
- * profiles, summed over their PROFILE messages. Each is written once every server has sent its whole part.
+/* The results that servers send in parts: states, compiled from the STATE messages of all servers, and
+ * profiles, summed over their PROFILE messages. A state or a profile is written once every server has sent
+ * its whole part.
  *
- * A part is taken only while it is due: collection_expect says of which step, collection_write ends that. */
+ * collection_expect and collection_expect_profiles make parts of one step due, collection_write and
+ * collection_write_profiles end that. A part that is not due is a DM2_PROTOCOL failure of its server. */
 #ifndef DM2_CLUSTER_COLLECTION_H
 #define DM2_CLUSTER_COLLECTION_H
 
@@ -17,51 +19,54 @@
 #include "course.h"
 #include "state_merge.h"
 
-/* A state on its way in. */
+/* A state whose parts are coming. */
 struct compilation {
     struct state_merge merge;
-    bool due;     /* parts may come now, */
-    int64_t step; /* of this step */
-    bool *whole;  /* [ranks] its part has come: all of it */
+    bool due; /* parts of the state at `step` may come */
+    int64_t step;
+    bool *whole; /* [ranks] the last part of this server has come */
 };
 
-/* The sums of a profile on their way in. */
+/* A profile whose parts are coming. */
 struct profile_part {
-    struct profile_bin *bins;
-    bool *came; /* from which server */
+    struct profile_bin *bins; /* sums so far */
+    bool *came;               /* [ranks] the part of this server has come */
     bool due;
 };
 
 struct collection {
     const struct client_job *job; /* NULL: nothing is ever due */
-    struct course *course;        /* takes the copies */
-    struct conversation *talk;    /* names the servers in failures */
+    struct course *course;        /* keeps the copies */
+    struct conversation *talk;    /* for failures of servers */
     struct compilation snapshot, final, copy;
-    struct profile_part *profiles; /* of the deck */
-    int64_t profile_step;          /* that they are of */
+    struct profile_part *profiles; /* [config->n_profiles] */
+    int64_t profile_step;          /* the step of all profiles */
 };
 
-/* For the servers of `talk`. All pointers are borrowed. DM2_MEMORY. */
+/* Prepares for the servers of `talk`. The pointers are borrowed until collection_close, which frees the rest.
+ * DM2_MEMORY. */
 enum dm2_status collection_open(struct collection *c, const struct client_job *job, struct course *course,
                                 struct conversation *talk, struct dm2_error *err);
 void collection_close(struct collection *c);
 
-/* Begins a state anew. due: its parts, of the state `step`, may come now. */
+/* due: empties the state of this purpose and makes its parts, of `step`, due. Else no part of that purpose is
+ * due. */
 void collection_expect(struct collection *c, enum state_purpose purpose, bool due, int64_t step);
 
-/* Begins anew the sums of all profiles; those that the deck wants at `step` may come now. */
+/* Empties all profiles and makes the profiles due that the deck wants at `step`. */
 void collection_expect_profiles(struct collection *c, int64_t step);
 
-/* Takes a STATE or PROFILE frame of one server; false: it is another one. *status then says how that ended:
- * DM2_PROTOCOL where the frame is not due or does not decode, DM2_MEMORY. */
+/* Takes a STATE or PROFILE frame of one server. False: the frame is of another type. True: *status is the
+ * result; DM2_PROTOCOL: the frame is not due or does not decode; DM2_MEMORY. */
 bool collection_take(struct collection *c, int rank, const struct frame *frame, enum dm2_status *status,
                      struct dm2_error *err);
 
-/* Writes the state that has come whole: a snapshot or the final state into the results; a copy goes to the
- * course. DM2_PROTOCOL where a server's part is missing; DM2_IO, DM2_MEMORY. */
+/* Completes the state of this purpose: writes a snapshot or the final state to the results, gives a copy to
+ * the course. DM2_PROTOCOL: a server's part is missing, or the state is not whole; DM2_IO, DM2_MEMORY. */
 enum dm2_status collection_write(struct collection *c, enum state_purpose purpose, struct dm2_error *err);
 
-/* Writes the profiles that were due. Errors as above. */
+/* Writes all profiles that are due to the results. DM2_PROTOCOL: the part of a server is missing; DM2_IO,
+ * DM2_MEMORY. */
 enum dm2_status collection_write_profiles(struct collection *c, struct dm2_error *err);
 
 #endif

@@ -1,5 +1,6 @@
-/* Answers are gathered with poll. A server is given up when it has sent no byte for t->timeout seconds; the
- * servers that have answered are sent ALIVE meanwhile, because they give up a silent client, too. */
+/* Answers are gathered with poll. A server that sends no byte for t->timeout seconds has failed. Servers that
+ * have answered get ALIVE messages while another server takes long, because a server ends its session when
+ * the client is silent. */
 #include "conversation.h"
 
 #include <errno.h>
@@ -12,9 +13,9 @@
 #include "dm2/base/mem.h"
 #include "dm2/cluster/client.h"
 
-static const double LOOK_SECONDS = 5e-5;   /* for messages before sleeping; a server may need the processor */
-static const double BUSY_SECONDS = 1.0;    /* of silence after HELLO until the user is told */
-static const double PARTING_SECONDS = 0.2; /* to tell a server why its session ends */
+static const double LOOK_SECONDS = 5e-5;   /* of looking before sleeping: a server may need the processor */
+static const double BUSY_SECONDS = 1.0;    /* without an answer in the hand-shake until the user is told */
+static const double PARTING_SECONDS = 0.2; /* to send a server the reason why its session ends */
 
 /* --- failures --- */
 
@@ -28,7 +29,6 @@ void conversation_name_step(const struct conversation *t, char *out, size_t size
         (void)snprintf(out, size, "step %lld", (long long)t->at);
 }
 
-/* The failure of one server, with step and advice around `why`. */
 enum dm2_status conversation_failed(struct conversation *t, int rank, enum dm2_status status, const char *why,
                                     struct dm2_error *err)
 {
@@ -37,7 +37,7 @@ enum dm2_status conversation_failed(struct conversation *t, int rank, enum dm2_s
     conversation_name_step(t, step, sizeof step);
     t->culprit = rank;
     t->silent = status == DM2_TIMEOUT;
-    (void)snprintf(text, sizeof text, "%s", why); /* *err may be what `why` lies in */
+    (void)snprintf(text, sizeof text, "%s", why); /* a copy, because `why` may lie in *err */
     if (status == DM2_INTERRUPTED || status == DM2_MEMORY)
         return dm2_fail(err, status, "%s", text);
     bool named = strncmp(text, name, strlen(name)) == 0;
@@ -53,8 +53,8 @@ enum dm2_status conversation_not_decoded(struct conversation *t, int rank, const
     return conversation_failed(t, rank, DM2_PROTOCOL, text, err);
 }
 
-/* The server said ERROR itself. */
-static enum dm2_status peer_error(struct conversation *t, int rank, struct bytes_reader r,
+/* Fails with the reason of a server's ERROR message. */
+static enum dm2_status take_error(struct conversation *t, int rank, struct bytes_reader r,
                                   struct dm2_error *err)
 {
     struct error_message m;
@@ -64,8 +64,8 @@ static enum dm2_status peer_error(struct conversation *t, int rank, struct bytes
         return conversation_failed(t, rank, DM2_PROTOCOL, t->refusal, err);
     (void)snprintf(text, sizeof text, "ended the session: %.560s",
                    r.failed ? "its reason does not decode" : m.text);
-    /* a server that was asked to end, or has no memory left, could not be used; one that found the deck wrong
-     * found the deck wrong */
+    /* A server that was interrupted, timed out or lacks memory is lost (DM2_NET): another server may do its
+     * work. Other statuses are kept: DM2_DECK, for instance, would come from every server. */
     bool unusable = m.status == DM2_INTERRUPTED || m.status == DM2_TIMEOUT || m.status == DM2_MEMORY;
     enum dm2_status status = unusable ? DM2_NET : m.status;
     return conversation_failed(t, rank, status, text, err);
@@ -73,7 +73,8 @@ static enum dm2_status peer_error(struct conversation *t, int rank, struct bytes
 
 /* --- sending --- */
 
-static struct deadline patience(const struct conversation *t)
+/* A deadline for sending: once the steps run, a signal does not cut a message off. */
+static struct deadline send_deadline(const struct conversation *t)
 {
     return deadline_in(t->timeout, t->stopping != NULL ? -1 : t->cancel);
 }
@@ -86,7 +87,7 @@ enum dm2_status conversation_send(struct conversation *t, int rank, enum message
     if (t->out.failed)
         return dm2_fail(err, DM2_MEMORY, "no memory for a message");
     enum dm2_status status =
-        channel_send(&p->channel, (uint8_t)type, 0, t->out.data, t->out.length, patience(t), &why);
+        channel_send(&p->channel, (uint8_t)type, 0, t->out.data, t->out.length, send_deadline(t), &why);
     p->awaited = true;
     return status == DM2_OK ? DM2_OK : conversation_failed(t, rank, status, why.text, err);
 }
@@ -96,7 +97,8 @@ enum dm2_status conversation_send_parts(struct conversation *t, int rank, enum m
 {
     struct peer *p = &t->peers[rank];
     struct dm2_error why = {0};
-    enum dm2_status status = channel_send_parts(&p->channel, (uint8_t)type, 0, iov, n_iov, patience(t), &why);
+    enum dm2_status status =
+        channel_send_parts(&p->channel, (uint8_t)type, 0, iov, n_iov, send_deadline(t), &why);
     p->awaited = true;
     return status == DM2_OK ? DM2_OK : conversation_failed(t, rank, status, why.text, err);
 }
@@ -106,14 +108,14 @@ enum dm2_status conversation_reply(struct conversation *t, int rank, enum messag
 {
     struct dm2_error why = {0};
     enum dm2_status status =
-        channel_send(&t->peers[rank].channel, (uint8_t)type, 0, payload, length, patience(t), &why);
+        channel_send(&t->peers[rank].channel, (uint8_t)type, 0, payload, length, send_deadline(t), &why);
     return status == DM2_OK ? DM2_OK : conversation_failed(t, rank, status, why.text, err);
 }
 
 /* --- gathering --- */
 
-/* Work comes before an answer of this type, and the server says meanwhile that it is alive. */
-static bool takes_long(enum message_type type)
+/* Does a server work before an answer of this type? Then the server sends ALIVE messages meanwhile. */
+static bool answer_takes_long(enum message_type type)
 {
     return type == MESSAGE_ANSWER || type == MESSAGE_READY || type == MESSAGE_STEP || type == MESSAGE_DONE;
 }
@@ -134,9 +136,9 @@ static enum dm2_status take_frames(struct conversation *t, int rank, enum messag
             return DM2_OK;
         struct bytes_reader r = bytes_reader_of(f.payload, f.length);
         if (f.type == MESSAGE_ERROR)
-            return peer_error(t, rank, r, err);
-        if (f.type == MESSAGE_ALIVE && f.length == 0 && takes_long(type))
-            continue; /* the channel knows when it was heard */
+            return take_error(t, rank, r, err);
+        if (f.type == MESSAGE_ALIVE && f.length == 0 && answer_takes_long(type))
+            continue; /* channel.heard has been renewed */
         if (f.type == type) {
             p->awaited = false;
             status = take(t->context, rank, &r, err);
@@ -152,10 +154,11 @@ static enum dm2_status take_frames(struct conversation *t, int rank, enum messag
     return DM2_OK;
 }
 
-/* Waits until an awaited server has something, or the first of them has been silent too long since `since`,
- * but no longer than until wake_at. */
-static enum dm2_status wait_for_any(struct conversation *t, double since, double wake_at, int *n,
-                                    struct dm2_error *err)
+/* Waits until bytes from an awaited server have come, but no longer than until wake_at. DM2_TIMEOUT: an
+ * awaited server has been silent for t->timeout seconds, counted from `since` at the earliest. t->polls[0 ..
+ * *n-1] then has the events of the servers t->polled[0 .. *n-1]. */
+static enum dm2_status wait_for_answers(struct conversation *t, double since, double wake_at, int *n,
+                                        struct dm2_error *err)
 {
     double first = INFINITY, now = clock_now();
     int silent = -1;
@@ -199,7 +202,8 @@ static enum dm2_status wait_for_any(struct conversation *t, double since, double
     return DM2_OK;
 }
 
-static void note_busy(const struct conversation *t)
+/* Tells the user which awaited servers have not answered yet. */
+static void note_busy_servers(const struct conversation *t)
 {
     char line[SOCKET_NAME + 100];
     for (int k = 0; k < t->ranks && t->events->note != NULL; k++)
@@ -210,9 +214,9 @@ static void note_busy(const struct conversation *t)
         }
 }
 
-/* To the servers that have answered, while another one takes long: they have a patience, too. Not after DONE,
- * which they hang up after. */
-static enum dm2_status tell_alive(struct conversation *t, struct dm2_error *err)
+/* Sends ALIVE to every server that has answered. Not while DONE is gathered, because a server closes its
+ * connection after DONE. */
+static enum dm2_status send_alive(struct conversation *t, struct dm2_error *err)
 {
     for (int k = 0; k < t->ranks; k++) {
         enum dm2_status status =
@@ -223,24 +227,22 @@ static enum dm2_status tell_alive(struct conversation *t, struct dm2_error *err)
     return DM2_OK;
 }
 
-/* One message of `type` from every awaited server. With `note`, the user is told of those that do not answer
- * soon. */
 enum dm2_status conversation_gather(struct conversation *t, enum message_type type, uint32_t limit,
                                     conversation_take take, bool note, struct dm2_error *err)
 {
     double since = clock_now(), note_at = note ? since + BUSY_SECONDS : INFINITY;
     double every = alive_every(t->timeout);
-    double alive_at = takes_long(type) && type != MESSAGE_DONE ? since + every : INFINITY;
+    double alive_at = answer_takes_long(type) && type != MESSAGE_DONE ? since + every : INFINITY;
     int awaited = 0;
     enum dm2_status status = DM2_OK;
     for (int k = 0; k < t->ranks && status == DM2_OK; k++) {
-        if (t->peers[k].awaited && channel_pending(&t->peers[k].channel)) /* came with the message before */
+        if (t->peers[k].awaited && channel_pending(&t->peers[k].channel)) /* bytes behind the last message */
             status = take_frames(t, k, type, limit, take, err);
         awaited += t->peers[k].awaited;
     }
     while (awaited > 0 && status == DM2_OK) {
         int n;
-        status = wait_for_any(t, since, fmin(note_at, alive_at), &n, err);
+        status = wait_for_answers(t, since, fmin(note_at, alive_at), &n, err);
         for (int k = 0; k < n && status == DM2_OK; k++) {
             if (t->polls[k].revents == 0)
                 continue;
@@ -248,11 +250,11 @@ enum dm2_status conversation_gather(struct conversation *t, enum message_type ty
             awaited -= !t->peers[t->polled[k]].awaited;
         }
         if (status == DM2_OK && clock_now() >= note_at) {
-            note_busy(t);
+            note_busy_servers(t);
             note_at = INFINITY;
         }
         if (status == DM2_OK && clock_now() >= alive_at) {
-            status = tell_alive(t, err);
+            status = send_alive(t, err);
             alive_at = clock_now() + every;
         }
     }

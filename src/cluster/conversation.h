@@ -1,4 +1,5 @@
-/* The connections of one session: one message to every server, then one answer from every server.
+/* The connections of one session. A stage of the session sends one message to every server and gathers one
+ * answer from every server.
  *
  * The conversation takes ERROR and ALIVE frames itself. A frame of another type than the answer that is due
  * goes to `aside`; a frame that `aside` refuses ends the session. Every failure names the server and the
@@ -30,25 +31,24 @@ struct conversation {
     int ranks;
     double timeout;                     /* seconds of a server's silence */
     int cancel;                         /* readable when the process is asked to end; -1: none */
-    const struct client_events *events; /* of which `note` is used */
-    const char *refusal;                /* explains to the user why a server may answer REFUSAL_TEXT */
-    const char *advice;                 /* follows the text of DM2_NET; "": none */
-    void *context;                      /* of `aside` and of every conversation_take */
-    /* A frame of another type than `due`, the answer that the server owes. False: the frame has no place
-     * here. True: it has been taken, *status says how that ended. */
+    const struct client_events *events; /* only `note` is called */
+    const char *refusal;                /* the reason that the user reads when a server sends REFUSAL_TEXT */
+    const char *advice;                 /* follows the reason of a DM2_NET failure; "": none */
+    void *context;                      /* the first argument of `aside` and of every conversation_take */
+    /* Takes a frame of another type than `due`, the type that the server owes. False: the frame is not
+     * allowed here. True: the frame has been taken, *status is the result. */
     bool (*aside)(void *context, int rank, enum message_type due, const struct frame *frame,
                   enum dm2_status *status, struct dm2_error *err);
-    /* For the texts of failures. */
+    /* For the texts of failures; the caller updates `at` during the steps. */
     int64_t at;   /* the step; -1: before the first */
     int64_t from; /* the step that the session starts from */
-    bool again;   /* the run had begun its steps before */
-    /* NULL: a signal ends the wait with DM2_INTERRUPTED. Else a signal sets *stopping and the wait goes on.
-     */
+    bool again;   /* the run has been in its steps before */
+    /* NULL: a signal ends a wait with DM2_INTERRUPTED. Else a signal sets *stopping, the wait goes on. */
     bool *stopping;
-    /* Results. */
+    /* Set by the functions below. */
     int culprit;   /* the rank that failed; -1: none */
     bool silent;   /* the culprit sent nothing for `timeout` seconds */
-    double waited; /* seconds in conversation_gather, summed */
+    double waited; /* seconds spent in conversation_gather */
     /* The payload of the next conversation_send. */
     struct bytes_writer out;
     struct peer *peers;   /* [ranks] */
@@ -60,43 +60,45 @@ struct conversation {
 typedef enum dm2_status (*conversation_take)(void *context, int rank, struct bytes_reader *r,
                                              struct dm2_error *err);
 
-/* Makes room for t->ranks connections, none of them open. DM2_MEMORY. */
+/* Allocates t->ranks connections, none of them open, and sets t->at and t->culprit to -1. DM2_MEMORY. */
 enum dm2_status conversation_open(struct conversation *t, struct dm2_error *err);
 
-/* Closes every connection and frees what *t owns. With a status other than DM2_OK each server is sent an
- * ERROR message with that status and the text of `err` (NULL: none); failures to send are ignored. */
+/* Closes every connection and frees the memory of *t. With a status other than DM2_OK, each connected server
+ * is first sent an ERROR message with `status` and the text of `err` (NULL: none); failures to send are
+ * ignored. */
 void conversation_close(struct conversation *t, enum dm2_status status, const struct dm2_error *err);
 
-/* Sends t->out to one server and awaits its answer. DM2_NET, DM2_TIMEOUT, DM2_INTERRUPTED, DM2_MEMORY (t->out
- * has failed). */
+/* Sends t->out to one server; an answer of that server is due from then on. DM2_NET, DM2_TIMEOUT,
+ * DM2_INTERRUPTED, DM2_MEMORY (t->out has failed). */
 enum dm2_status conversation_send(struct conversation *t, int rank, enum message_type type,
                                   struct dm2_error *err);
 
-/* The same with a payload in parts, as channel_send_parts takes it. */
+/* Like conversation_send, with the payload in iov[1 .. n_iov-1], as channel_send_parts takes it. */
 enum dm2_status conversation_send_parts(struct conversation *t, int rank, enum message_type type,
                                         struct iovec *iov, size_t n_iov, struct dm2_error *err);
 
-/* Sends to one server without awaiting another answer than the one that is due. */
+/* Sends a payload of `length` bytes to one server without changing whether its answer is due. DM2_NET,
+ * DM2_TIMEOUT, DM2_INTERRUPTED. */
 enum dm2_status conversation_reply(struct conversation *t, int rank, enum message_type type,
                                    const void *payload, size_t length, struct dm2_error *err);
 
-/* Takes one message of `type`, of at most `limit` bytes, from every awaited server, in whatever order they
- * come. With `note`, the user is told which servers have not answered after BUSY_SECONDS. What `take` and
- * `aside` return; DM2_NET, DM2_TIMEOUT (a server was silent for t->timeout seconds), DM2_PROTOCOL,
- * DM2_INTERRUPTED; the status of an ERROR message. */
+/* Receives one message of `type`, of at most `limit` bytes, from every awaited server, in the order of
+ * arrival, and gives each to `take`. With `note`, the user is told after BUSY_SECONDS which servers have not
+ * answered. DM2_NET, DM2_TIMEOUT (a server was silent for t->timeout seconds), DM2_PROTOCOL, DM2_INTERRUPTED;
+ * the status of a server's ERROR message; any status of `take` and `aside`. */
 enum dm2_status conversation_gather(struct conversation *t, enum message_type type, uint32_t limit,
                                     conversation_take take, bool note, struct dm2_error *err);
 
-/* Fails with `status` because of one server: sets t->culprit and t->silent, and gives *err the server's rank,
- * name and step around `why`, which may lie in *err. Returns `status`. */
+/* Fails with `status` because of one server: sets t->culprit and t->silent, and *err to `why` with the
+ * server's rank, name and step. `why` may lie in *err. Returns `status`. */
 enum dm2_status conversation_failed(struct conversation *t, int rank, enum dm2_status status, const char *why,
                                     struct dm2_error *err);
 
-/* The same for a payload that does not decode; `what` names the message. Returns DM2_PROTOCOL. */
+/* conversation_failed for a message of type `what` that does not decode. Returns DM2_PROTOCOL. */
 enum dm2_status conversation_not_decoded(struct conversation *t, int rank, const char *what,
                                          struct dm2_error *err);
 
-/* Writes which step the session is at, as texts of failures call it. */
+/* Writes the present step, as texts of failures name it, to out[size]. */
 void conversation_name_step(const struct conversation *t, char *out, size_t size);
 
 #endif

@@ -1,16 +1,16 @@
-/* Another copy is taken when, together with those before it, it would cost no more than SHARE of the time so
- * far. Where one costs C seconds and a step s, their distance comes to C / (SHARE s) steps. The first one
- * comes after a few steps, to learn its cost; what the next one will cost is taken to be the most that one
- * has cost yet.
+/* A copy is due when the cost of all copies, the next one included, stays within SHARE of the time so far. If
+ * a copy costs C seconds and a step s seconds, the distance between copies is C / (SHARE s) steps. The first
+ * copy is taken after NEAREST steps to learn its cost; the next copy is assumed to cost as much as the most
+ * expensive copy so far.
  *
- * What a copy cost is what its step took longer than steps like it: those with a snapshot are compared with
- * those with a snapshot, so that the cost is found where every step has one. */
+ * The cost of a copy is the time by which its step exceeds the mean of steps without a copy. Steps with a
+ * snapshot have a mean of their own, so that the cost is found even if every step has a snapshot. */
 #include "copies.h"
 
-static const double SHARE = 0.02; /* of the time, at most */
-static const double WEIGHT = 0.1; /* of the newest step in the running means */
+static const double SHARE = 0.02; /* largest share of the time for copies */
+static const double WEIGHT = 0.1; /* weight of the newest step in the running means */
 
-enum { NEAREST = 20 }; /* steps from one to the next, at least */
+enum { NEAREST = 20 }; /* least number of steps between copies by cost */
 
 void copy_plan_start(struct copy_plan *plan, int64_t fixed, int64_t step)
 {

@@ -1,5 +1,5 @@
-/* What is written of a step that is done again is the same to the byte: results know which steps they have,
- * and hashes are told only of steps newer than course->hashed. */
+/* A step that is computed again writes nothing twice: the results know which steps they have, and hashes are
+ * told only for steps newer than course->hashed. */
 #include "course.h"
 
 #include <stdio.h>
@@ -9,7 +9,7 @@
 #include "dm2/base/mem.h"
 #include "dm2/cluster/wire.h"
 
-enum { LOSSES_MOST = 3 }; /* of one server without a new copy between, before it is given up */
+enum { LOSSES_MOST = 3 }; /* survived without a new copy in between: losses of one server, renewals of all */
 
 enum dm2_status course_open(struct course *course, const struct client_job *job,
                             const struct client_options *options, int ranks, struct dm2_error *err)
@@ -81,13 +81,13 @@ void course_tell_hash(struct course *course, const struct client_options *option
         course->hashed = step;
 }
 
-/* Is the state at `step` wanted as a checkpoint? */
+/* Whether the copy of the state at `step` is to be written as a checkpoint. */
 static bool checkpoint_due(const struct course *course, const struct client_job *job, int64_t step)
 {
     return course->stopping || results_checkpoint_due(job->config, course->checkpoint_every, step);
 }
 
-/* The copy in hand, to disk. */
+/* Writes course->copy as a checkpoint. */
 static enum dm2_status write_checkpoint(const struct course *course, const struct client_job *job,
                                         struct dm2_error *err)
 {
@@ -95,7 +95,6 @@ static enum dm2_status write_checkpoint(const struct course *course, const struc
     return results_checkpoint(job->results, &copy, err);
 }
 
-/* The copy that came becomes the one to go back to, and where one is due, a checkpoint. */
 enum dm2_status course_keep_copy(struct course *course, const struct client_job *job,
                                  struct state_merge *state, int64_t step, struct dm2_error *err)
 {
@@ -123,10 +122,10 @@ void course_note_copy(struct course *course, const struct client_job *job, int64
 
 /* --- after a loss --- */
 
-void course_tell(const struct client_options *options, const char *text)
+void course_tell_user(const struct client_options *options, const char *line)
 {
     if (options->events.note != NULL)
-        options->events.note(options->events.context, text);
+        options->events.note(options->events.context, line);
 }
 
 bool course_goes_on(const struct course *course, const struct client_options *options, enum dm2_status status,
@@ -136,7 +135,7 @@ bool course_goes_on(const struct course *course, const struct client_options *op
            (status == DM2_NET || status == DM2_TIMEOUT || status == DM2_PROTOCOL);
 }
 
-/* Elements per cell in the last copy; model_cell_counts where there is none. */
+/* Adds to weights[cells] the elements per cell: of the last copy, else of the generated elements. */
 static enum dm2_status count_elements(const struct client_job *job, const struct course *course,
                                       uint32_t *weights, struct dm2_error *err)
 {
@@ -149,7 +148,7 @@ static enum dm2_status count_elements(const struct client_job *job, const struct
     return DM2_OK;
 }
 
-/* Takes a server out and cuts the domain for those that remain. */
+/* Removes a server and cuts the domain for the remaining servers. */
 static enum dm2_status drop_server(const struct client_job *job, struct course *course, int lost,
                                    struct dm2_error *err)
 {
@@ -176,7 +175,7 @@ static enum dm2_status drop_server(const struct client_job *job, struct course *
     return DM2_OK;
 }
 
-/* All servers anew, where this program's caller started them. */
+/* Starts all servers anew through options->renew. */
 static enum dm2_status renew_servers(const struct client_options *options, struct course *course,
                                      struct dm2_error *err)
 {
@@ -193,7 +192,6 @@ static enum dm2_status renew_servers(const struct client_options *options, struc
     return status;
 }
 
-/* Decides who takes the place of a server that was lost; `absent`: it is not there any more, or silent. */
 enum dm2_status course_replace(struct course *course, const struct client_job *job,
                                const struct client_options *options, int lost, bool absent,
                                struct dm2_error *err)
@@ -207,13 +205,13 @@ enum dm2_status course_replace(struct course *course, const struct client_job *j
     course->report.losses++;
     if (options->renew != NULL) {
         (void)snprintf(line, sizeof line, "going on from %s with servers started anew", from);
-        course_tell(options, line);
+        course_tell_user(options, line);
         return renew_servers(options, course, err);
     }
     if (!absent && ++s->losses <= LOSSES_MOST) {
         (void)snprintf(line, sizeof line, "going on from %s, waiting up to %g s for %s:%d", from,
                        options->reconnect, s->at.host, s->at.port);
-        course_tell(options, line);
+        course_tell_user(options, line);
         return DM2_OK;
     }
     if (course->spares_used < options->n_spares) {
@@ -221,18 +219,17 @@ enum dm2_status course_replace(struct course *course, const struct client_job *j
         (void)snprintf(line, sizeof line, "going on from %s with the spare %s:%d in place of %s:%d", from,
                        spare->host, spare->port, s->at.host, s->at.port);
         *s = (struct station){.at = *spare};
-        course_tell(options, line);
+        course_tell_user(options, line);
         return DM2_OK;
     }
     if (course->decomposition->ranks == 1)
         return dm2_fail(err, DM2_NET, "no server is left");
     (void)snprintf(line, sizeof line, "going on from %s without %s:%d, with %d of the servers", from,
                    s->at.host, s->at.port, course->decomposition->ranks - 1);
-    course_tell(options, line);
+    course_tell_user(options, line);
     return drop_server(job, course, lost, err);
 }
 
-/* A run that cannot go on leaves the newest state that is in hand, unless the disk is what failed. */
 void course_leave_checkpoint(const struct course *course, const struct client_job *job,
                              enum dm2_status status)
 {

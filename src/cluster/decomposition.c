@@ -1,7 +1,7 @@
 /* The assignment of cells to ranks: the rectangles of base/bisect, and the owner of every cell.
  *
- * Boundaries are found by looking at the cells beyond the rectangle's rim through owner[], so that periodic
- * sides and sides that meet several ranks need no cases of their own. */
+ * The boundary of a rank is read from owner[] of the cells beyond its rectangle, so that periodic sides and
+ * sides that meet several ranks need no cases of their own. */
 #include "dm2/cluster/decomposition.h"
 
 #include <stdlib.h>
@@ -9,8 +9,8 @@
 
 #include "dm2/base/mem.h"
 
-static enum dm2_status allocate(const struct grid *grid, int ranks, struct decomposition *out,
-                                struct dm2_error *err)
+static enum dm2_status allocate_arrays(const struct grid *grid, int ranks, struct decomposition *out,
+                                       struct dm2_error *err)
 {
     *out = (struct decomposition){.grid = *grid, .ranks = ranks};
     out->rect = mem_zalloc((size_t)ranks, sizeof *out->rect);
@@ -35,7 +35,7 @@ enum dm2_status decomposition_bisect(const struct grid *grid, int ranks, const u
     *out = (struct decomposition){0};
     enum dm2_status status = bisect_check(grid->cx, grid->cy, ranks, err);
     if (status == DM2_OK)
-        status = allocate(grid, ranks, out, err);
+        status = allocate_arrays(grid, ranks, out, err);
     if (status != DM2_OK)
         return status;
     bisect_grid(grid->cx, grid->cy, grid->lx, grid->ly, ranks, weights, out->rect);
@@ -60,13 +60,13 @@ enum dm2_status decomposition_from_rects(const struct grid *grid, int ranks, con
                             r->x1, r->y0, r->y1, grid->cx, grid->cy);
         covered += bisect_cells(r);
     }
-    enum dm2_status status = allocate(grid, ranks, out, err);
+    enum dm2_status status = allocate_arrays(grid, ranks, out, err);
     if (status != DM2_OK)
         return status;
     memcpy(out->rect, rects, (size_t)ranks * sizeof *rects);
     for (int k = 0; k < ranks; k++)
         fill_owner(out, k);
-    /* As many cells as there are, and no rectangle overwritten by a later one: each cell exactly once. */
+    /* `covered` cells in all, and no cell overwritten by a later rectangle: each cell exactly once. */
     size_t kept = 0;
     for (int k = 0; k < ranks; k++)
         for (int j = rects[k].y0; j < rects[k].y1; j++)
@@ -86,8 +86,8 @@ void decomposition_free(struct decomposition *d)
     *d = (struct decomposition){0};
 }
 
-/* The owner of cell (i, j), wrapped across periodic sides; -1 outside the grid. */
-static int owner_at(const struct decomposition *d, int i, int j)
+/* The owner of cell (i, j), wrapped across periodic sides; -1: outside the grid. */
+static int find_owner(const struct decomposition *d, int i, int j)
 {
     const struct grid *g = &d->grid;
     if (g->periodic[0])
@@ -102,7 +102,7 @@ struct rim {
     int i, j, di, dj, count;
 };
 
-static struct rim rim_beyond(const struct cell_rect *r, enum side side)
+static struct rim make_rim(const struct cell_rect *r, enum side side)
 {
     int w = r->x1 - r->x0, h = r->y1 - r->y0;
     switch (side) {
@@ -128,16 +128,16 @@ static struct rim rim_beyond(const struct cell_rect *r, enum side side)
     return (struct rim){0};
 }
 
-/* Distinct other ranks beyond a side. Along a straight side each rank's cells are consecutive, so counting
- * the changes counts the ranks. */
+/* The cells of each rank are consecutive along a straight side, so that the number of changes is the number
+ * of ranks. */
 void decomposition_interfaces(const struct decomposition *d, int rank, int out[SIDE_COUNT])
 {
     for (int side = 0; side < SIDE_COUNT; side++) {
-        struct rim rim = rim_beyond(&d->rect[rank], (enum side)side);
+        struct rim rim = make_rim(&d->rect[rank], (enum side)side);
         int last = -1;
         out[side] = 0;
         for (int k = 0; k < rim.count; k++) {
-            int owner = owner_at(d, rim.i + k * rim.di, rim.j + k * rim.dj);
+            int owner = find_owner(d, rim.i + k * rim.di, rim.j + k * rim.dj);
             out[side] += owner >= 0 && owner != rank && owner != last;
             last = owner;
         }
@@ -145,11 +145,11 @@ void decomposition_interfaces(const struct decomposition *d, int rank, int out[S
 }
 
 /* Does another rank own one of the eight cells around (i, j)? */
-static int touches_other(const struct decomposition *d, int rank, int i, int j)
+static int touches_other_rank(const struct decomposition *d, int rank, int i, int j)
 {
     for (int b = -1; b <= 1; b++)
         for (int a = -1; a <= 1; a++) {
-            int owner = owner_at(d, i + a, j + b);
+            int owner = find_owner(d, i + a, j + b);
             if (owner >= 0 && owner != rank)
                 return 1;
         }
@@ -161,9 +161,9 @@ static void count_rim(const struct decomposition *d, int rank, int side, unsigne
                       unsigned char *rank_seen, struct rank_boundary *out)
 {
     const struct grid *g = &d->grid;
-    struct rim rim = rim_beyond(&d->rect[rank], (enum side)side);
+    struct rim rim = make_rim(&d->rect[rank], (enum side)side);
     for (int k = 0; k < rim.count; k++) {
-        int i = rim.i + k * rim.di, j = rim.j + k * rim.dj, owner = owner_at(d, i, j);
+        int i = rim.i + k * rim.di, j = rim.j + k * rim.dj, owner = find_owner(d, i, j);
         if (owner < 0 || owner == rank)
             continue;
         if (side <= SIDE_NORTH) {
@@ -171,7 +171,7 @@ static void count_rim(const struct decomposition *d, int rank, int side, unsigne
             out->interface_cm += side <= SIDE_EAST ? g->ly : g->lx;
         }
         size_t at = (size_t)((j + g->cy) % g->cy) * (size_t)g->cx + (size_t)((i + g->cx) % g->cx);
-        out->outer += cell_seen[at] == 0; /* on small periodic grids a cell may lie beyond two sides */
+        out->outer += cell_seen[at] == 0; /* on a small periodic grid one cell may lie beyond two sides */
         out->neighbours += rank_seen[owner] == 0;
         cell_seen[at] = rank_seen[owner] = 1;
     }
@@ -191,7 +191,7 @@ enum dm2_status decomposition_boundary(const struct decomposition *d, int rank, 
         for (int j = r->y0; j < r->y1; j++)
             for (int i = r->x0; i < r->x1; i++) {
                 int rim = i == r->x0 || i == r->x1 - 1 || j == r->y0 || j == r->y1 - 1;
-                out->inner += rim && touches_other(d, rank, i, j);
+                out->inner += rim && touches_other_rank(d, rank, i, j);
             }
         for (int side = 0; side < SIDE_COUNT; side++)
             count_rim(d, rank, side, cell_seen, rank_seen, out);

@@ -1,6 +1,5 @@
-/* Every line is taken apart into words; the first is host[:port], the others are slots=K
- * and spare. Whatever is not understood is an error with file and line: a typing mistake must not
- * silently take a machine out of the run. */
+/* A line consists of words: the first is host[:port], the others are slots=K and spare. An unknown word is an
+ * error with file and line, because a typing mistake must not silently take a machine out of the run. */
 #include "dm2/cluster/hosts.h"
 
 #include <stdbool.h>
@@ -13,7 +12,7 @@
 #include "dm2/base/number.h"
 #include "dm2/cluster/messages.h"
 
-enum { FILE_MOST = 1024 * 1024 };
+enum { FILE_MOST = 1024 * 1024 }; /* bytes of a hosts file */
 
 enum dm2_status endpoints_add(struct endpoints *list, const char *host, int port, struct dm2_error *err)
 {
@@ -47,8 +46,8 @@ void endpoints_free(struct endpoints *list)
     *list = (struct endpoints){0};
 }
 
-/* A whole number from..to that fills the text. */
-static bool number_in(const char *text, size_t length, int from, int to, int *out)
+/* Parses the whole text as an integer within from..to. False: the text is none. */
+static bool parse_number(const char *text, size_t length, int from, int to, int *out)
 {
     int64_t value;
     if (!number_parse_integer(text, length, &value) || value < from || value > to)
@@ -57,7 +56,7 @@ static bool number_in(const char *text, size_t length, int from, int to, int *ou
     return true;
 }
 
-/* Takes host[:port] apart. NULL, or what is wrong with it. */
+/* Splits host[:port] and sets out->host, out->port. Returns NULL, or the mistake as a text for the user. */
 static const char *split_server(const char *text, size_t length, struct endpoint *out)
 {
     const char *host = text, *end = text + length, *colon = NULL;
@@ -74,7 +73,7 @@ static const char *split_server(const char *text, size_t length, struct endpoint
     } else {
         colon = memchr(text, ':', length);
         if (colon != NULL && memchr(colon + 1, ':', (size_t)(end - colon - 1)) != NULL)
-            colon = NULL; /* more than one: an IPv6 address without a port */
+            colon = NULL; /* several colons: an IPv6 address without a port */
         else if (colon != NULL)
             host_length = (size_t)(colon - host);
     }
@@ -85,7 +84,7 @@ static const char *split_server(const char *text, size_t length, struct endpoint
     memcpy(out->host, host, host_length);
     out->host[host_length] = '\0';
     out->port = DEFAULT_PORT;
-    if (colon != NULL && !number_in(colon + 1, (size_t)(end - colon - 1), 1, 65535, &out->port))
+    if (colon != NULL && !parse_number(colon + 1, (size_t)(end - colon - 1), 1, 65535, &out->port))
         return "the port must be a number from 1 to 65535";
     return NULL;
 }
@@ -99,8 +98,8 @@ enum dm2_status hosts_parse_server(const char *text, struct endpoints *list, str
     return endpoints_add(list, e.host, e.port, err);
 }
 
-/* The next word of a line that ends at `end`; false where there is none. */
-static bool next_word(const char **at, const char *end, const char **word, size_t *length)
+/* Takes the next word of a line that ends at `end`. False: the line has no further word. */
+static bool take_word(const char **at, const char *end, const char **word, size_t *length)
 {
     while (*at < end && (**at == ' ' || **at == '\t' || **at == '\r'))
         ++*at;
@@ -119,13 +118,13 @@ static enum dm2_status parse_line(const char *name, int line, const char *at, co
     struct endpoint e;
     int slots = 1;
     bool spare = false;
-    if (!next_word(&at, end, &word, &length))
+    if (!take_word(&at, end, &word, &length))
         return DM2_OK;
     const char *wrong = split_server(word, length, &e);
     if (wrong != NULL)
         return dm2_fail(err, DM2_USAGE, "%s:%d: '%.*s': %s; a line is host[:port] [slots=K] [spare]", name,
                         line, (int)length, word, wrong);
-    while (next_word(&at, end, &word, &length)) {
+    while (take_word(&at, end, &word, &length)) {
         if (length == 5 && memcmp(word, "spare", 5) == 0) {
             spare = true;
             continue;
@@ -134,7 +133,7 @@ static enum dm2_status parse_line(const char *name, int line, const char *at, co
             return dm2_fail(err, DM2_USAGE,
                             "%s:%d: '%.*s' is not known; a line is host[:port] [slots=K] [spare]", name, line,
                             (int)length, word);
-        if (!number_in(word + 6, length - 6, 1, HOSTS_MOST, &slots) || e.port + slots - 1 > 65535)
+        if (!parse_number(word + 6, length - 6, 1, HOSTS_MOST, &slots) || e.port + slots - 1 > 65535)
             return dm2_fail(err, DM2_USAGE,
                             "%s:%d: '%.*s': slots must be a number from 1 on, and port + slots - 1 at most "
                             "65535",

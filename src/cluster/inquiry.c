@@ -1,5 +1,5 @@
-/* STATUS, and where the server has a key CHALLENGE, PROOF and GRANT, then REPORT: one after the other on one
- * connection, which ends with the answer. A client with a key believes nothing that is said before GRANT. */
+/* One connection carries STATUS, then with a key CHALLENGE, PROOF and GRANT, then REPORT, and closes. A
+ * client with a key accepts REPORT only after GRANT. */
 #include "dm2/cluster/inquiry.h"
 
 #include <stdio.h>
@@ -7,9 +7,9 @@
 
 #include "dm2/base/hmac.h"
 
-/* The next message, which must be of this type. */
-static enum dm2_status expect(struct channel *ch, enum message_type type, const struct auth_key *key,
-                              struct deadline until, struct bytes_reader *out, struct dm2_error *err)
+/* Receives the next message, which must be of this type. */
+static enum dm2_status receive_message(struct channel *ch, enum message_type type, const struct auth_key *key,
+                                       struct deadline until, struct bytes_reader *out, struct dm2_error *err)
 {
     struct frame f;
     struct error_message m;
@@ -36,14 +36,14 @@ static enum dm2_status expect(struct channel *ch, enum message_type type, const 
                     message_name(f.type, name[0]), message_name((uint8_t)type, name[1]));
 }
 
-/* A message of exactly n bytes. */
-static enum dm2_status expect_bytes(struct channel *ch, enum message_type type, const struct auth_key *key,
-                                    unsigned char *out, size_t n, struct deadline until,
-                                    struct dm2_error *err)
+/* Receives a message of exactly n bytes. */
+static enum dm2_status receive_bytes(struct channel *ch, enum message_type type, const struct auth_key *key,
+                                     unsigned char *out, size_t n, struct deadline until,
+                                     struct dm2_error *err)
 {
     struct bytes_reader r;
     char name[16];
-    enum dm2_status status = expect(ch, type, key, until, &r, err);
+    enum dm2_status status = receive_message(ch, type, key, until, &r, err);
     if (status != DM2_OK)
         return status;
     const unsigned char *bytes = bytes_get_raw(&r, n);
@@ -54,16 +54,19 @@ static enum dm2_status expect_bytes(struct channel *ch, enum message_type type, 
     return DM2_OK;
 }
 
-static enum dm2_status prove(struct channel *ch, const struct auth_key *key, struct auth_nonces *nonces,
-                             struct deadline until, struct dm2_error *err)
+/* Proves the key to the server and checks the server's proof; the channel uses session keys from here on. */
+static enum dm2_status exchange_proofs(struct channel *ch, const struct auth_key *key,
+                                       struct auth_nonces *nonces, struct deadline until,
+                                       struct dm2_error *err)
 {
     unsigned char code[AUTH_CODE], proof[AUTH_CODE], in[SIPHASH_KEY], out[SIPHASH_KEY];
-    enum dm2_status status = expect_bytes(ch, MESSAGE_CHALLENGE, key, nonces->server, AUTH_NONCE, until, err);
+    enum dm2_status status =
+        receive_bytes(ch, MESSAGE_CHALLENGE, key, nonces->server, AUTH_NONCE, until, err);
     auth_code(key, AUTH_ASKER, PROTOCOL_VERSION, nonces, code);
     if (status == DM2_OK)
         status = channel_send(ch, MESSAGE_PROOF, 0, code, AUTH_CODE, until, err);
     if (status == DM2_OK)
-        status = expect_bytes(ch, MESSAGE_GRANT, key, proof, AUTH_CODE, until, err);
+        status = receive_bytes(ch, MESSAGE_GRANT, key, proof, AUTH_CODE, until, err);
     if (status != DM2_OK)
         return status;
     auth_code(key, AUTH_SERVER, PROTOCOL_VERSION, nonces, code);
@@ -76,8 +79,8 @@ static enum dm2_status prove(struct channel *ch, const struct auth_key *key, str
     return DM2_OK;
 }
 
-static enum dm2_status ask(struct channel *ch, const struct auth_key *key, struct deadline until,
-                           struct report_message *out, struct dm2_error *err)
+static enum dm2_status ask_report(struct channel *ch, const struct auth_key *key, struct deadline until,
+                                  struct report_message *out, struct dm2_error *err)
 {
     struct auth_nonces nonces = {{0}, {0}};
     struct bytes_reader r;
@@ -85,9 +88,9 @@ static enum dm2_status ask(struct channel *ch, const struct auth_key *key, struc
     if (status == DM2_OK)
         status = channel_send(ch, MESSAGE_STATUS, 0, nonces.client, AUTH_NONCE, until, err);
     if (status == DM2_OK && key != NULL)
-        status = prove(ch, key, &nonces, until, err);
+        status = exchange_proofs(ch, key, &nonces, until, err);
     if (status == DM2_OK)
-        status = expect(ch, MESSAGE_REPORT, ch->keyed ? NULL : key, until, &r, err);
+        status = receive_message(ch, MESSAGE_REPORT, ch->keyed ? NULL : key, until, &r, err);
     if (status != DM2_OK)
         return status;
     message_get_report(&r, out);
@@ -107,7 +110,7 @@ enum dm2_status inquiry_ask(const struct endpoint *server, const struct auth_key
         return status;
     (void)snprintf(name, sizeof name, "%s:%d", server->host, server->port);
     channel_open(&ch, fd, PROTOCOL_VERSION, name);
-    status = ask(&ch, key, until, out, err);
+    status = ask_report(&ch, key, until, out, err);
     channel_close(&ch);
     return status;
 }

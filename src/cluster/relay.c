@@ -1,7 +1,7 @@
-/* Routing in two passes over the segment headers: count per destination, hand out room in one array of
- * iovecs, fill. Sources are taken in ascending order, so each destination gets its segments by source
- * whatever the order in which they arrived on the network. The header of a segment is right for its receiver
- * as it is and travels on with it. */
+/* Routing makes two passes over the segment headers: the first pass counts segments per destination, then
+ * each destination gets its entries in one array of iovecs, and the second pass fills the entries. Sources
+ * are taken in ascending order, so that the order of a destination's segments does not depend on the order of
+ * arrival. The header of a segment is sent to the receiver unchanged. */
 #include "relay.h"
 
 #include <stdint.h>
@@ -26,7 +26,7 @@ void relay_free(struct relay *relay)
     *relay = (struct relay){0};
 }
 
-/* Checks a rank's segments and counts them for their destinations. */
+/* Checks the segments of one rank and adds them to the counts of their destinations. */
 static enum dm2_status count_segments(struct relay *relay, int rank, const struct relay_source *source,
                                       struct dm2_error *err)
 {
@@ -53,6 +53,7 @@ static enum dm2_status count_segments(struct relay *relay, int rank, const struc
     return DM2_OK;
 }
 
+/* Enters the segments of one rank into the routes of their destinations. */
 static void place_segments(struct relay *relay, const struct relay_source *source)
 {
     struct bytes_reader r = bytes_reader_of(source->segments, source->length);

@@ -1,6 +1,5 @@
-/* Elements go straight to the place of their id. Pairs are appended as they come and sorted once, by counting
- * on id_a: an element has few pairs, so what is left to do within one id_a is an insertion among neighbours.
- */
+/* Each element is stored at the index of its id. Pairs are appended as they come and sorted once: a counting
+ * sort by id_a, then insertion by id_b, which is cheap because an element has few pairs. */
 #include "state_merge.h"
 
 #include <stdlib.h>
@@ -29,7 +28,7 @@ void state_merge_clear(struct state_merge *m)
     m->n_seen = m->n_pairs = 0;
 }
 
-static enum dm2_status allocate(struct state_merge *m, struct dm2_error *err)
+static enum dm2_status allocate_arrays(struct state_merge *m, struct dm2_error *err)
 {
     size_t n = m->limits.elements;
     if (m->seen != NULL)
@@ -44,7 +43,7 @@ static enum dm2_status allocate(struct state_merge *m, struct dm2_error *err)
     return dm2_fail(err, DM2_MEMORY, "no memory to compile a state of %zu elements", n);
 }
 
-static enum dm2_status bad_record(struct dm2_error *err)
+static enum dm2_status fail_record(struct dm2_error *err)
 {
     return dm2_fail(err, DM2_PROTOCOL, "a part of a state does not decode");
 }
@@ -52,11 +51,11 @@ static enum dm2_status bad_record(struct dm2_error *err)
 enum dm2_status state_merge_add(struct state_merge *m, const struct state_message *head,
                                 struct bytes_reader *r, struct dm2_error *err)
 {
-    enum dm2_status status = allocate(m, err);
+    enum dm2_status status = allocate_arrays(m, err);
     if (status != DM2_OK)
         return status;
     if (bytes_remaining(r) / WIRE_ELEMENT < head->n_elements)
-        return bad_record(err);
+        return fail_record(err);
     if (m->n_pairs + head->n_pairs > WIRE_PAIRS_MOST * m->limits.elements)
         return dm2_fail(err, DM2_PROTOCOL, "a state came with more than %d pairs per element",
                         WIRE_PAIRS_MOST);
@@ -67,7 +66,7 @@ enum dm2_status state_merge_add(struct state_merge *m, const struct state_messag
         struct element e;
         wire_get_element(r, &m->limits, &e);
         if (r->failed) {
-            status = bad_record(err);
+            status = fail_record(err);
         } else if (m->seen[e.id]) {
             status = dm2_fail(err, DM2_PROTOCOL, "element %u came twice: two servers own it", e.id);
         } else {
@@ -89,10 +88,10 @@ enum dm2_status state_merge_add(struct state_merge *m, const struct state_messag
     m->pairs = grown;
     for (size_t k = 0; k < head->n_pairs; k++)
         wire_get_pair(r, &m->limits, &m->pairs[m->n_pairs++]);
-    return bytes_done(r) ? DM2_OK : bad_record(err);
+    return bytes_done(r) ? DM2_OK : fail_record(err);
 }
 
-/* Sorted pairs, or NULL without memory. */
+/* Returns m->pairs sorted in a new array, or NULL without memory. */
 static struct pair_record *sort_pairs(const struct state_merge *m)
 {
     size_t n = m->limits.elements;
@@ -107,7 +106,7 @@ static struct pair_record *sort_pairs(const struct state_merge *m)
         start[m->pairs[k].id_a + 1]++;
     for (size_t k = 0; k < n; k++)
         start[k + 1] += start[k];
-    for (size_t k = 0; k < m->n_pairs; k++) /* start[a] moves up to the end of a's pairs */
+    for (size_t k = 0; k < m->n_pairs; k++) /* start[a] moves to the end of the pairs of a */
         sorted[start[m->pairs[k].id_a]++] = m->pairs[k];
     for (size_t k = 1; k < m->n_pairs; k++) {
         struct pair_record p = sorted[k];
@@ -122,7 +121,7 @@ static struct pair_record *sort_pairs(const struct state_merge *m)
 
 enum dm2_status state_merge_finish(struct state_merge *m, struct dm2_error *err)
 {
-    enum dm2_status status = allocate(m, err);
+    enum dm2_status status = allocate_arrays(m, err);
     if (status != DM2_OK)
         return status;
     if (m->n_seen != m->limits.elements) {

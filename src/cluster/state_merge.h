@@ -1,5 +1,5 @@
-/* Compiling a whole state from the parts that the servers send: every element once, in id order, pairs by
- * (id, id). */
+/* Compiles a whole state from the parts that the servers send: every element once, in id order, and pairs in
+ * the order of (id_a, id_b). */
 #ifndef DM2_CLUSTER_STATE_MERGE_H
 #define DM2_CLUSTER_STATE_MERGE_H
 
@@ -13,32 +13,33 @@
 
 struct state_merge {
     struct wire_limits limits;
-    struct element *elements;         /* limits.elements of them, by id */
-    struct element_measure *measured; /* beside them; used for snapshots */
-    unsigned char *seen;              /* by id */
+    struct element *elements;         /* [limits.elements] by id */
+    struct element_measure *measured; /* [limits.elements] by id; filled for snapshots only */
+    unsigned char *seen;              /* [limits.elements] by id: the element has come */
     size_t n_seen;
     struct pair_record *pairs;
     size_t n_pairs, pairs_cap;
 };
 
-/* Takes no memory yet: the first part does. */
+/* Allocates nothing; state_merge_add allocates with the first part. state_merge_free frees what *m owns. */
 void state_merge_open(struct state_merge *m, struct wire_limits limits);
 void state_merge_free(struct state_merge *m);
 
-/* Empties it for the next state. */
+/* Forgets all elements and pairs, for the next state. */
 void state_merge_clear(struct state_merge *m);
 
-/* Adds a part: what follows a STATE message's head. DM2_PROTOCOL: a record that cannot be, or an element that
- * came before (its id is named), or more than WIRE_PAIRS_MOST pairs per element of the run, which is found
- * before memory is taken for them; DM2_MEMORY. */
+/* Adds one part: the records that follow `head` in a STATE message. DM2_PROTOCOL: a record is invalid, or an
+ * element came twice (its id is named), or the state has more than WIRE_PAIRS_MOST pairs per element of the
+ * run (checked before memory is allocated for the pairs); DM2_MEMORY. */
 enum dm2_status state_merge_add(struct state_merge *m, const struct state_message *head,
                                 struct bytes_reader *r, struct dm2_error *err);
 
-/* All parts are there: sorts the pairs. DM2_PROTOCOL: an element is missing (the first id is named), or a
- * pair came twice. */
+/* Completes the state after its last part: sorts the pairs. DM2_PROTOCOL: an element is missing (the first id
+ * is named), or a pair came twice; DM2_MEMORY. */
 enum dm2_status state_merge_finish(struct state_merge *m, struct dm2_error *err);
 
-/* The state of `step` that was compiled. Its arrays belong to *m and last until the next call with it. */
+/* The compiled state as the state of `step`. Its arrays belong to *m and last until *m changes;
+ * its digest is NULL. */
 struct state_view state_merge_view(const struct state_merge *m, int64_t step);
 
 #endif

@@ -1,5 +1,6 @@
-/* Parts: elements first, then pairs; the last part says so. A share is made of what the cells say: who owns
- * an element's cell and who mirrors it, as the engine decides it. */
+/* The parts of a state hold its elements first, then its pairs; the last part has head.last set. A share
+ * follows the cells: struct domain_map gives the owner of an element's cell and the ranks that mirror the
+ * cell. */
 #include "state_parts.h"
 
 #include <stdlib.h>
@@ -31,7 +32,8 @@ bool state_parts_next(struct state_parts *s, struct bytes_writer *out)
     return true;
 }
 
-static bool sees(const struct domain_map *map, int rank, int cell)
+/* Does the rank own or mirror the cell? */
+static bool sees_cell(const struct domain_map *map, int rank, int cell)
 {
     uint16_t ranks[8];
     bool found = map->owner[cell] == rank;
@@ -40,10 +42,10 @@ static bool sees(const struct domain_map *map, int rank, int cell)
     return found;
 }
 
-enum dm2_status state_share(const struct decomposition *d, int rank, const struct element *elements,
-                            size_t n_elements, const struct pair_record *pairs, size_t n_pairs,
-                            struct element **out, size_t *n_out, struct pair_record **pairs_out,
-                            size_t *n_pairs_out, struct dm2_error *err)
+enum dm2_status state_parts_share(const struct decomposition *d, int rank, const struct element *elements,
+                                  size_t n_elements, const struct pair_record *pairs, size_t n_pairs,
+                                  struct element **out, size_t *n_out, struct pair_record **pairs_out,
+                                  size_t *n_pairs_out, struct dm2_error *err)
 {
     const struct domain_map map = {.grid = &d->grid, .ranks = d->ranks, .owner = d->owner};
     unsigned char *own = mem_zalloc(n_elements, 1);
@@ -61,7 +63,7 @@ enum dm2_status state_share(const struct decomposition *d, int rank, const struc
     for (size_t k = 0; k < n_elements; k++) {
         int cell = grid_cell(&d->grid, elements[k].r[0], elements[k].r[1]);
         own[k] = d->owner[cell] == rank;
-        if (sees(&map, rank, cell))
+        if (sees_cell(&map, rank, cell))
             (*out)[(*n_out)++] = elements[k];
     }
     for (size_t k = 0; k < n_pairs; k++)

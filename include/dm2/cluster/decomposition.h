@@ -1,7 +1,8 @@
 /* The spatial decomposition: which rank owns which cell of the grid (paper, sections 5 and 6.2, Figs 6 and
  * 9).
  *
- * The grid is bisected recursively into one rectangle of cells per rank. Pure: no sockets, no particles. */
+ * The grid is bisected recursively into one rectangle of cells per rank. The module knows neither sockets nor
+ * elements. */
 #ifndef DM2_CLUSTER_DECOMPOSITION_H
 #define DM2_CLUSTER_DECOMPOSITION_H
 
@@ -30,42 +31,42 @@ enum side {
 struct decomposition {
     struct grid grid;
     int ranks;
-    struct cell_rect *rect; /* per rank */
-    uint16_t *owner;        /* per cell; the engine's struct domain_map borrows it */
+    struct cell_rect *rect; /* [ranks] */
+    uint16_t *owner;        /* [cells] a rank; struct domain_map borrows this array */
 };
 
-/* Bisects the grid for `ranks` ranks as bisect_grid does: by cells, or with `weights` (elements per cell) not
- * NULL by weight. DM2_USAGE: fewer cells than ranks (both numbers are named), or ranks outside 1..65535.
- * DM2_MEMORY. */
+/* Bisects the grid for `ranks` ranks with bisect_grid: by weights[cells] (elements per cell), or by cells
+ * where weights is NULL. *out belongs to the caller (decomposition_free). DM2_USAGE: fewer cells than ranks
+ * (both numbers are named), or ranks outside 1..DECOMPOSITION_RANKS_MAX. DM2_MEMORY. */
 enum dm2_status decomposition_bisect(const struct grid *grid, int ranks, const uint32_t *weights,
                                      struct decomposition *out, struct dm2_error *err);
 
-/* From the rectangles that another program sent. DM2_PROTOCOL where they do not cover every cell exactly
- * once. */
+/* Builds the decomposition from rects[ranks], which another program sent. *out belongs to the caller
+ * (decomposition_free). DM2_PROTOCOL: the rectangles do not cover every cell exactly once; DM2_MEMORY. */
 enum dm2_status decomposition_from_rects(const struct grid *grid, int ranks, const struct cell_rect *rects,
                                          struct decomposition *out, struct dm2_error *err);
 
-/* Frees what *d owns and empties it. */
+/* Frees the arrays of *d and empties *d. */
 void decomposition_free(struct decomposition *d);
 
-/* The eight-element array: how many distinct other ranks own cells straight beyond each side, and diagonally
- * beyond each corner (0 or 1); across periodic sides too. 0: that boundary is the domain's own, or the rank
- * meets itself there. */
+/* The eight-element array: the number of distinct other ranks that own cells straight beyond each side, and
+ * diagonally beyond each corner (0 or 1); periodic sides are crossed. 0: the domain ends there, or the rank
+ * meets itself. */
 void decomposition_interfaces(const struct decomposition *d, int rank, int out[SIDE_COUNT]);
 
 struct rank_boundary {
     size_t inner;           /* owned cells that another rank mirrors */
-    size_t outer;           /* others' cells that this rank mirrors */
-    size_t interface_cells; /* edges of cells along which the rank meets others, corners apart */
-    double interface_cm;    /* their length */
+    size_t outer;           /* cells of other ranks that this rank mirrors */
+    size_t interface_cells; /* edges of cells between this rank and other ranks, corners excluded */
+    double interface_cm;    /* length of these edges, cm */
     int neighbours;         /* distinct other ranks beyond sides and corners */
 };
 
-/* DM2_MEMORY. */
+/* Counts the cells and edges of the boundary of `rank`. DM2_MEMORY. */
 enum dm2_status decomposition_boundary(const struct decomposition *d, int rank, struct rank_boundary *out,
                                        struct dm2_error *err);
 
-/* How many cells the rank owns. */
+/* The number of cells that the rank owns. */
 size_t decomposition_cells(const struct decomposition *d, int rank);
 
 /* The sum of weights (elements per cell) over the rank's cells. */

@@ -1,4 +1,5 @@
-/* Asking a server what it does (docs/protocol.md: STATUS); it answers also while it serves somebody else. */
+/* Asks a server for its status (docs/protocol.md: STATUS). A server answers also during another client's
+ * session. */
 #ifndef DM2_CLUSTER_INQUIRY_H
 #define DM2_CLUSTER_INQUIRY_H
 
@@ -7,8 +8,9 @@
 #include "dm2/cluster/hosts.h"
 #include "dm2/cluster/messages.h"
 
-/* Asks one server, and with a key (NULL: none) wants it to prove that it has the key, too. DM2_NET,
- * DM2_TIMEOUT or DM2_PROTOCOL with the reason where it does not answer or cannot be believed;
+/* Asks one server for its report, within `seconds`. key: the server must prove that it has the same key;
+ * NULL: none. cancel: readable when the process is asked to end; -1: none. DM2_NET or DM2_TIMEOUT: the server
+ * does not answer; DM2_PROTOCOL: its answer is wrong, or the server refuses, or the proof fails;
  * DM2_INTERRUPTED. */
 enum dm2_status inquiry_ask(const struct endpoint *server, const struct auth_key *key, double seconds,
                             int cancel, struct report_message *out, struct dm2_error *err);

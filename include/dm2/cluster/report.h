@@ -1,4 +1,4 @@
-/* What a run took, and where: run.log for people, timing.csv for programs. */
+/* The times and counts of a run: run.log for people, timing.csv for programs. */
 #ifndef DM2_CLUSTER_REPORT_H
 #define DM2_CLUSTER_REPORT_H
 
@@ -14,33 +14,34 @@
 struct server_report {
     char name[SOCKET_NAME];
     size_t cells;
-    uint64_t owned, mirrored, bytes; /* at the start */
+    uint64_t owned, mirrored, bytes; /* elements owned, elements mirrored, bytes of memory; at the start */
     struct server_times times;
 };
 
 struct run_report {
     const char *program, *version, *deck;
     size_t elements;
-    int64_t steps;        /* done */
-    double set_up, total; /* seconds, wall clock; total: from connecting to the last result */
-    double stepping;      /* seconds of `timed` steps: time steps alone, without set-up and output */
-    int64_t timed;
-    double wait, relay,
-        output; /* the client's own seconds: for servers, routing and sending, compiling and writing */
-    uint64_t rebuilds, redone; /* exchanges that renewed owners; of these, asked for afterwards */
+    int64_t steps;             /* steps done */
+    double set_up, total;      /* seconds, wall clock; total: from connecting to the last result */
+    double stepping;           /* seconds of `timed` steps, without set-up and output */
+    int64_t timed;             /* steps without a snapshot and without a copy */
+    double wait;               /* seconds in which the client waited for servers, steps only */
+    double relay;              /* seconds for routing and sending */
+    double output;             /* seconds for compiling and writing results */
+    uint64_t rebuilds, redone; /* rebuilds; rebuilds with a second round trip */
     size_t update_bytes;       /* g: bytes per boundary element of an update */
-    int losses;                /* of servers, from which the run recovered */
-    int64_t copies;            /* of the state, in memory, but for checkpoints; */
-    double copying;            /* what their steps took longer than others, seconds */
+    int losses;                /* lost servers from which the run recovered */
+    int64_t copies;            /* copies of the state in memory, checkpoints excluded */
+    double copying;            /* seconds that steps with such a copy took longer than steps without */
     int ranks;
-    struct server_report *servers; /* ranks of them */
-    const char *prediction;        /* lines of text about it for run.log; NULL: none */
+    struct server_report *servers; /* [ranks] */
+    const char *prediction;        /* lines for run.log about the predicted times; NULL: none */
 };
 
-/* Element-steps per second of the time steps alone; 0 where nothing was timed. */
+/* Element-steps per second over the timed steps; 0: no step was timed. */
 double report_rate(const struct run_report *report);
 
-/* Writes both files into the run directory. DM2_IO, DM2_MEMORY. */
+/* Writes run.log and timing.csv into the run directory. DM2_IO, DM2_MEMORY. */
 enum dm2_status report_write(const struct run_report *report, struct results *results, struct dm2_error *err);
 
 #endif
