@@ -12,6 +12,7 @@
 #include "dm2/base/real.h"
 #include "dm2/deck/shape.h"
 #include "grains.h"
+#include "kinds.h"
 #include "tables.h"
 
 /* The lattice of one body in numbers. */
@@ -109,7 +110,7 @@ static enum dm2_status make_element(struct generation *g, uint64_t grain, const 
                         .kind = (uint16_t)material,
                         .flags = b->motion == MOTION_FREE ? 0 : ELEMENT_FIXED_MOTION,
                         .radius = b->radius};
-    e.mass = model_element_mass(&c->materials[material], b->radius);
+    e.mass = kind_mass(&c->materials[material], b->radius);
     for (int a = 0; a < 2; a++) {
         e.r[a] = r[a];
         e.v[a] = b->velocity[a];

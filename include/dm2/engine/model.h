@@ -45,10 +45,6 @@ size_t model_elements(const struct model *model); /* elements that the generator
 double model_stable_dt(const struct model *model,
                        const char **which); /* us; *which names the limiting mode */
 
-/* Mass of an element, g: rho0 times the area of its hexagonal cell, sqrt(3)/2 (2R)^2, times h = 1 cm, or the
- * material's own mass. */
-double model_element_mass(const struct material_config *material, double radius);
-
 /* Elements per cell, counts[cx*cy], as generated: for the decomposition by particles. */
 enum dm2_status model_cell_counts(const struct model *model, uint32_t *counts, struct dm2_error *err);
 

@@ -1,0 +1,97 @@
+/* The stable time step: over all elements and all laws that can act on them, the smallest limit of any mode.
+ */
+#include "stability.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "kinds.h"
+
+static const double root3 = 0x1.bb67ae8584caap0;
+
+static double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+/* Takes a limit that is smaller than the one so far. */
+static void limit_time_step(struct model *m, double dt, const char *mode, size_t a, size_t b)
+{
+    if (!(dt < m->dt_stable))
+        return;
+    m->dt_stable = dt;
+    m->dt_mode = mode;
+    m->dt_kinds[0] = a;
+    m->dt_kinds[1] = b;
+}
+
+/* The largest stable step of an element of this mass among neighbours of this law: omega^2 dt^2 + 2 gamma dt
+ * < 4 for its stiffest mode. Translation omega^2 = (6 kn + 2 kt)/m, gamma = (6 c_n + 2 c_t)/m; rotation
+ * omega^2 = 24 kt/m, gamma = 24 c_t/m. The factors of damping with P and T are not known before the run and
+ * not in it. */
+static void limit_by_law(struct model *m, double mass, double m_eff, size_t a, size_t b,
+                         const struct pair_law *law)
+{
+    static const char *const modes[2][2] = {{"translation", "damping of the translation"},
+                                            {"rotation", "damping of the rotation"}};
+    double kt = law->kt_link > law->kt_contact ? law->kt_link : law->kt_contact, root = sqrt(m_eff);
+    double omega2[2] = {(6.0 * law->k + 2.0 * kt) / mass, 24.0 * kt / mass};
+    double gamma[2] = {(6.0 * law->cn + 2.0 * law->ct) * root / mass, 24.0 * law->ct * root / mass};
+    for (int mode = 0; mode < 2; mode++) {
+        double g = gamma[mode], o = omega2[mode];
+        if (!(o > 0.0))
+            continue;
+        double dt = (sqrt(g * g + 4.0 * o) - g) / o;
+        limit_time_step(m, dt, modes[mode][2.0 * g > o * dt], a, b); /* which term is the larger */
+    }
+}
+
+/* Over all elements and the laws that they can come under. m_eff is that of the two masses where their kinds
+ * have one each, and else with the heaviest element of the deck for a partner: never too small. Heat: the
+ * shortest wave of the hexagonal lattice, 9 kappa/sqrt(3) / (m cp) dt < 2. */
+void stability_find_time_step(struct model *m)
+{
+    const struct config *c = m->config;
+    double heaviest = 0.0;
+    m->dt_stable = INFINITY;
+    m->dt_mode = "nothing";
+    for (size_t body = 0; body < c->n_bodies; body++)
+        for (size_t i = 0; i < c->bodies[body].n_mix; i++)
+            heaviest = larger(
+                heaviest, kind_mass(&c->materials[c->bodies[body].mix_material[i]], c->bodies[body].radius));
+    for (size_t body = 0; body < c->n_bodies; body++) {
+        for (size_t i = 0; i < c->bodies[body].n_mix; i++) {
+            int material = c->bodies[body].mix_material[i];
+            double mass = kind_mass(&c->materials[material], c->bodies[body].radius);
+            for (size_t k = 0; k < m->n_kinds * m->n_kinds * RELATION_COUNT; k++) {
+                size_t a = k / RELATION_COUNT / m->n_kinds, b = k / RELATION_COUNT % m->n_kinds;
+                const struct pair_law *law = &m->laws[k];
+                double m_eff = mass * heaviest / (mass + heaviest), cp = m->kinds[a].cp;
+                if (!kind_may_become(m, material, a))
+                    continue;
+                if (law->cn_mass >= 0.0 && law->cn > 0.0)
+                    m_eff = (law->cn_mass / law->cn) * (law->cn_mass / law->cn);
+                if (c->bodies[body].motion == MOTION_FREE) /* what is driven does not vibrate */
+                    limit_by_law(m, mass, m_eff, a, b, law);
+                if (law->conduction > 0.0 && isfinite(cp))
+                    limit_time_step(m, 2.0 * mass * cp / (9.0 / root3 * law->conduction), "heat conduction",
+                                    a, b);
+            }
+        }
+    }
+}
+
+enum dm2_status stability_check(const struct model *m, struct dm2_error *err)
+{
+    const struct config *c = m->config;
+    struct kind_name a, b;
+    if (c->dt < m->dt_stable)
+        return DM2_OK;
+    return config_fail(
+        c->dt_place, err, DM2_DECK,
+        "the time step dt = %g us is not below the stable one, %g us (limit: %s, '%s' with '%s'): choose dt "
+        "below %.2g us%s",
+        c->dt, m->dt_stable, m->dt_mode, config_kind_name(c, m->dt_kinds[0], &a),
+        config_kind_name(c, m->dt_kinds[1], &b), 0.8 * m->dt_stable,
+        strncmp(m->dt_mode, "damping", 7) == 0 ? ", or zeta and ct_ratio smaller" : "");
+}
