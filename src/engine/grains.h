@@ -12,7 +12,13 @@
 #include "dm2/deck/config.h"
 #include "dm2/engine/pulse.h"
 
-enum { GRAIN_NO_NEIGHBOUR = -1 };
+enum { GRAIN_NO_NEIGHBOUR = -1, POLYGON_CORNERS = 64 };
+
+/* A convex polygon; its corners counter-clockwise. */
+struct polygon {
+    size_t n;
+    double x[POLYGON_CORNERS][2];
+};
 
 /* A side of a grain: inside is normal . x < offset. */
 struct grain_side {
