@@ -1,14 +1,14 @@
 /* Recursive bisection of the cell grid.
  *
  * split() holds a rectangle and the parts first .. first+n-1 that share it, n at most its number of cells.
- * It picks the direction whose cut is shorter, the share of parts (half and half where that can be), and the
- * column or row where the two sides come closest to the shares; then each side does the same. Both sides
- * always keep at least one cell per part, so the recursion cannot run dry: where no cut leaves room for the
- * halves (9 parts on 3 x 3 cells), unequal shares are tried, nearest first; a cut after the first column
- * always exists.
+ * split() picks the direction with the shorter cut, the number of parts on each side (halves where possible),
+ * and the column or row where the two sides come closest to these shares; then split() recurs into each side.
+ * Both sides always keep at least one cell per part, so the recursion always ends with a cell for each part:
+ * where no cut leaves room for the halves (9 parts on 3 x 3 cells), split() tries unequal shares, nearest
+ * first; a cut after the first column always exists.
  *
- * Without weights the best cut is computed instead of searched for, so that grids of any size cost the same.
- */
+ * Without weights the best cut is computed, not searched for, so that the cost does not depend on the grid's
+ * size. */
 #include "dm2/base/bisect.h"
 
 #include <math.h>
@@ -16,7 +16,7 @@
 struct bisection {
     int cx;
     double lx, ly;
-    const uint32_t *weights; /* per cell, or NULL: each counts 1 */
+    const uint32_t *weights; /* per cell; NULL: every cell has weight 1 */
     struct cell_rect *out;
 };
 
@@ -46,7 +46,8 @@ static void cut_rect(const struct cell_rect *r, int axis, int at, struct cell_re
         part[0].y1 = part[1].y0 = r->y0 + at;
 }
 
-/* The distances of a cut along `axis` that leave `low` parts a cell each before it and n - low behind it. */
+/* The distances of a cut along `axis` that leave a cell for each of `low` parts before the cut and n - low
+ * behind. */
 static void cut_range(const struct cell_rect *r, int axis, int n, int low, int *from, int *to)
 {
     int along = axis == 0 ? r->x1 - r->x0 : r->y1 - r->y0, across = axis == 0 ? r->y1 - r->y0 : r->x1 - r->x0;
@@ -54,7 +55,7 @@ static void cut_range(const struct cell_rect *r, int axis, int n, int low, int *
     *to = along - (1 + (n - low - 1) / across);
 }
 
-/* The first of the best cuts where every cell counts the same. */
+/* The first of the best cuts where all cells have the same weight. */
 static int nearest_cut(int along, int n, int low, int from, int to)
 {
     int at = (int)((int64_t)along * low / n); /* floor; the ideal distance is along * low / n */
@@ -63,8 +64,8 @@ static int nearest_cut(int along, int n, int low, int from, int to)
     return at < from ? from : at > to ? to : at;
 }
 
-/* The best cut along `axis` that gives `low` of `n` parts the first side: its distance, or 0 where none
- * leaves every part a cell. */
+/* The distance of the best cut along `axis` with `low` of `n` parts on the first side; 0 where no cut leaves
+ * a cell for every part. */
 static int find_cut(const struct bisection *b, const struct cell_rect *r, int axis, int n, int low)
 {
     int from, to, best = 0;

@@ -1,9 +1,9 @@
 /* Bounded byte streams.
  *
- * Every number goes byte by byte through shifts, so that the order is little-endian on any machine; compilers
- * turn the eight shifts of a double into one store. A reader never moves past its end: it compares what is
- * asked for with what remains before it touches anything, and a count is compared before anybody allocates by
- * it. */
+ * Numbers are coded byte by byte with shifts, so that the order is little-endian on any machine; compilers
+ * turn the eight shifts of a double into one store. A reader never moves past its end: each get compares the
+ * requested bytes with the remaining bytes before any access, and bytes_get_count compares a count before a
+ * caller allocates for it. */
 #include "dm2/base/bytes.h"
 
 #include <stdlib.h>

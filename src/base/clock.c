@@ -1,3 +1,4 @@
+/* Both clocks are POSIX clocks; a clock that cannot be read gives 0. */
 #include "dm2/base/clock.h"
 
 #include <time.h>

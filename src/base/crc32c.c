@@ -1,5 +1,6 @@
-/* CRC-32C by slicing: eight bytes per turn, each looked up in its own table. The tables are constants: an
- * entry is the sum (xor) of those of the bits of its index, so eight words per table give all 256. */
+/* CRC-32C by slicing: eight bytes per turn, each looked up in a table of its own. The tables are constants:
+ * an entry is the sum (xor) of the entries for the single bits of its index, so that eight words define the
+ * 256 entries. */
 #include "dm2/base/crc32c.h"
 
 #define ENTRY(i, a, b, c, d, e, f, g, h)                                                                     \
@@ -19,8 +20,8 @@
             SIXTYFOUR(192, __VA_ARGS__)                                                                      \
     }
 
-/* Row 0 bit b: the remainder of the byte 1 << b, polynomial 0x82f63b78 (reflected); row k: of that byte
- * followed by k zero bytes. */
+/* Row k, word b: the remainder of the byte 1 << b followed by k zero bytes; polynomial 0x82f63b78
+ * (reflected). */
 static const uint32_t table[8][256] = {
     TABLE(0xf26b8303, 0xe13b70f7, 0xc79a971f, 0x8ad958cf, 0x105ec76f, 0x20bd8ede, 0x417b1dbc, 0x82f63b78),
     TABLE(0x13a29877, 0x274530ee, 0x4e8a61dc, 0x9d14c3b8, 0x3fc5f181, 0x7f8be302, 0xff17c604, 0xfbc3faf9),

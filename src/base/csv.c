@@ -1,7 +1,7 @@
 /* Comma-separated values.
  *
- * The text is copied once and unquoted in place: a field only gets shorter, so the writing position never
- * passes the reading one. Fields are pointers into that copy, in row order behind the headings. */
+ * The parser unquotes the text into one buffer of the same length, which suffices because unquoting never
+ * lengthens a field. Fields are pointers into the buffer, in row order behind the headings. */
 #include "dm2/base/csv.h"
 
 #include <stdbool.h>
@@ -16,7 +16,7 @@
 
 enum { CSV_BYTES_MAX = 1 << 30 };
 
-struct parser {
+struct csv_parser {
     const char *in, *end;
     char *out;
     size_t line; /* of the reading position */
@@ -24,7 +24,7 @@ struct parser {
     size_t n_fields, cap_fields, cap_rows;
 };
 
-static enum dm2_status fault(const struct parser *p, struct dm2_error *err, const char *what)
+static enum dm2_status fault(const struct csv_parser *p, struct dm2_error *err, const char *what)
 {
     return dm2_fail(err, DM2_PROTOCOL, "%s:%zu: %s", p->csv->path, p->line, what);
 }
@@ -34,12 +34,12 @@ static enum dm2_status no_memory(const struct csv *csv, struct dm2_error *err)
     return dm2_fail(err, DM2_MEMORY, "%s: no memory for the table", csv->path == NULL ? "csv" : csv->path);
 }
 
-static bool at_line_end(const struct parser *p)
+static bool at_line_end(const struct csv_parser *p)
 {
     return p->in == p->end || *p->in == '\n' || (*p->in == '\r' && p->in + 1 < p->end && p->in[1] == '\n');
 }
 
-static enum dm2_status unquote(struct parser *p, struct dm2_error *err)
+static enum dm2_status unquote(struct csv_parser *p, struct dm2_error *err)
 {
     p->in++;
     for (;;) {
@@ -58,7 +58,7 @@ static enum dm2_status unquote(struct parser *p, struct dm2_error *err)
     return DM2_OK;
 }
 
-static enum dm2_status parse_field(struct parser *p, struct dm2_error *err)
+static enum dm2_status parse_field(struct csv_parser *p, struct dm2_error *err)
 {
     struct csv *csv = p->csv;
     void *fields = csv->fields;
@@ -77,8 +77,8 @@ static enum dm2_status parse_field(struct parser *p, struct dm2_error *err)
     return DM2_OK;
 }
 
-/* One line: its fields, with their terminators, which take the place of the commas and the line end. */
-static enum dm2_status parse_row(struct parser *p, size_t *count, struct dm2_error *err)
+/* Parses one line into fields; the terminators take the places of the commas and the line end. */
+static enum dm2_status parse_row(struct csv_parser *p, size_t *count, struct dm2_error *err)
 {
     *count = 0;
     for (;;) {
@@ -97,7 +97,7 @@ static enum dm2_status parse_row(struct parser *p, size_t *count, struct dm2_err
     }
 }
 
-static enum dm2_status parse_rows(struct parser *p, struct dm2_error *err)
+static enum dm2_status parse_rows(struct csv_parser *p, struct dm2_error *err)
 {
     struct csv *csv = p->csv;
     while (p->in < p->end) {
@@ -132,7 +132,7 @@ enum dm2_status csv_parse(const char *name, const char *text, size_t length, str
         csv_free(out);
         return no_memory(out, err);
     }
-    struct parser p = {.in = text, .end = text + length, .out = out->text, .line = 1, .csv = out};
+    struct csv_parser p = {.in = text, .end = text + length, .out = out->text, .line = 1, .csv = out};
     enum dm2_status status = DM2_OK;
     if (length == 0)
         status = fault(&p, err, "the file is empty, a header line was expected");

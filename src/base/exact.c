@@ -1,4 +1,4 @@
-/* Exact sums in 128 bits, in plain C11: two limbs and a carry. */
+/* The value of an exact sum: sign and magnitude of the two limbs. */
 #include "dm2/base/exact.h"
 
 double exact_value(const struct exact_sum *sum, int shift)

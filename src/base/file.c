@@ -1,9 +1,9 @@
-/* Whole files, atomically.
+/* Whole files, replaced atomically.
  *
- * A file is written as path.part with a buffer of our own and write(2): stdio would hide which call failed
- * and with what errno. The order of the end is what makes the final name mean "whole": flush, fsync, close,
- * rename, fsync of the directory. The first error sticks in the struct, so that encoders write on without
- * checks and the one check at the end still names the first cause. */
+ * A file is written as path.part with write(2) and a buffer of the module's own, because stdio would hide
+ * which call failed and with which errno. A file under its final name is complete, because file_commit keeps
+ * the order flush, fsync, close, rename, fsync of the directory. The first error sticks in the struct, so
+ * that encoders write without checks and the check in file_commit names the first cause. */
 #include "dm2/base/file.h"
 
 #include <errno.h>
@@ -34,7 +34,7 @@ static enum dm2_status fail_at(const struct file_out *f, const char *what, int e
     return dm2_fail(err, DM2_IO, "%s: cannot %s: %s", f->path, what, strerror(error));
 }
 
-/* Names and buffer. */
+/* Allocates the names and the buffer of *f. */
 static enum dm2_status prepare(struct file_out *f, const char *path, struct dm2_error *err)
 {
     memset(f, 0, sizeof *f);
@@ -58,7 +58,7 @@ enum dm2_status file_create(struct file_out *f, const char *path, struct dm2_err
         clear(f);
         return status;
     }
-    /* O_EXCL: never through a link that someone put there. */
+    /* O_EXCL: open fails on a symbolic link that another program put there. */
     f->fd = open(f->part, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (f->fd < 0) {
         enum dm2_status status = fail_at(f, "create", errno, err);
@@ -148,7 +148,8 @@ enum dm2_status file_flush(struct file_out *f, struct dm2_error *err)
     return f->error == 0 ? DM2_OK : fail_at(f, "write", f->error, err);
 }
 
-/* Makes the rename itself durable. Some file systems cannot fsync a directory and say EINVAL. */
+/* Makes a rename to `path`, or a new directory `path`, durable. Returns an errno, 0 for success. Some file
+ * systems cannot fsync a directory and return EINVAL, which is ignored. */
 static int sync_directory_of(const char *path)
 {
     const char *slash = strrchr(path, '/');
@@ -161,7 +162,7 @@ static int sync_directory_of(const char *path)
     int fd = open(directory, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     free(directory);
     if (fd < 0)
-        return errno == EACCES ? 0 : errno; /* writable but not readable: nothing to sync through */
+        return errno == EACCES ? 0 : errno; /* writable but not readable: no descriptor to fsync */
     int error = fsync(fd) != 0 && errno != EINVAL ? errno : 0;
     close(fd);
     return error;
@@ -286,7 +287,7 @@ static enum dm2_status read_open(int fd, const char *path, size_t limit, unsigne
             return dm2_fail(err, DM2_IO, "%s: cannot read: %s", path, strerror(error));
         }
         if (got == 0)
-            break; /* it shrank meanwhile: whoever decodes it sees that it ends early */
+            break; /* the file shrank meanwhile: its decoder finds the early end */
         have += (size_t)got;
     }
     block[have] = '\0';

@@ -1,7 +1,7 @@
-/* Each term of the chain below is picked so that one departure shows in its last bit: a fused a*b+c, a
+/* Each term of the chain below shows one departure from IEEE 754 in its last bit: a fused a*b+c, a
  * reassociated sum, an x87 register, a reciprocal instead of a division, subnormals flushed to zero, another
- * rounding mode. The inputs come from an integer generator, so that no compiler can fold them away and no
- * library function is involved but sqrt, floor, rint and ldexp, which are exact or rounded once. */
+ * rounding mode. The inputs come from an integer generator, so that no compiler can fold them away. The only
+ * library functions are sqrt, floor, rint and ldexp, which are exact or rounded once. */
 #include "dm2/base/fingerprint.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-/* The cell grid. floor((x - x0) / L) picks the column; it is monotonic, so two elements closer than one
- * cell edge are never more than one column apart, inside the grid or clamped to its edge. */
+/* The column of x is floor((x - x0) / L), clamped to the grid. This function is monotonic, so that two
+ * elements closer than one cell edge are at most one column apart, inside the grid and outside. */
 #include "dm2/base/grid.h"
 
 #include <math.h>

@@ -1,8 +1,8 @@
-/* HMAC as RFC 2104 writes it: H(key ^ opad, H(key ^ ipad, text)), a key longer than a block hashed first.
- * Both hashes are started with their pads at once, so that the key itself is not kept.
+/* HMAC as in RFC 2104: H(key ^ opad, H(key ^ ipad, text)); a key longer than a block is hashed first.
+ * hmac_start feeds both pads to their hashes, so that the struct does not keep the key.
  *
- * The comparison collects the differences of all bytes and looks at them once; the volatile keeps a compiler
- * from leaving the loop early. */
+ * hmac_equal collects the differences of all bytes and tests them once; `volatile` prevents that a compiler
+ * ends the loop early. */
 #include "dm2/base/hmac.h"
 
 #include <string.h>

@@ -1,4 +1,5 @@
-/* Open addressing with linear probing; at most half full, so a search ends after a few slots. */
+/* Open addressing with linear probing. The table is at most half full, so that a search ends after a few
+ * slots. */
 #include "dm2/base/idmap.h"
 
 #include <stdlib.h>

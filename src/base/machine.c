@@ -1,6 +1,6 @@
-/* POSIX knows neither the number of processors nor the load: the first has a name in sysconf wherever dm2 has
- * been tried, the second is asked of Linux's /proc, and is unknown elsewhere. The text of the load is read by
- * this project's own reader of numbers, which no locale changes. */
+/* POSIX specifies neither the number of processors nor the load. sysconf has a name for the number of
+ * processors on every system where dm2 has run; the load comes from Linux's /proc and is unknown elsewhere.
+ * number_parse reads the text of the load, because no locale changes its result. */
 #include "dm2/base/machine.h"
 
 #include <stdio.h>

@@ -1,3 +1,4 @@
+/* Arrays grow to 1.5 times their capacity, to the need where that is more, and to 16 items at least. */
 #include "dm2/base/mem.h"
 
 #include <stdint.h>

@@ -1,12 +1,12 @@
 /* Numbers as text.
  *
- * Fewest digits: every double has a decimal of at most 17 significant digits that reads back to it, and none
- * needs fewer than the %g format drops by itself from 15, so three tries suffice. Whole numbers below 1e15,
- * most of what the result files hold in counts and steps, skip the tries.
+ * Fewest digits: for every double some decimal of at most 17 significant digits reads back to that double.
+ * Below 15 digits the %g format drops trailing zeros by itself, so that three tries suffice. Whole numbers
+ * below 1e15, such as the counts and steps of the result files, need no tries.
  *
- * The reader first checks the grammar itself and only then calls strtod, which alone would accept leading
- * blanks, hexadecimal, "infinity" and a prefix. The programs never leave the "C" locale, so the point is a
- * point. */
+ * The reader checks the grammar before it calls strtod, because strtod also accepts leading blanks,
+ * hexadecimal, "infinity" and a prefix. The programs never leave the "C" locale, so that the decimal
+ * separator is a point. */
 #include "dm2/base/number.h"
 
 #include <errno.h>

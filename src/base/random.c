@@ -1,4 +1,4 @@
-/* Counter-based random numbers. The finalizer is that of splitmix64 (Steele, Lea, Flood, "Fast splittable
+/* Counter-based random numbers: the finalizer of splitmix64 (Steele, Lea, Flood, "Fast splittable
  * pseudorandom number generators", OOPSLA 2014), applied once per input. */
 #include "dm2/base/random.h"
 

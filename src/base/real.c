@@ -1,4 +1,5 @@
-/* Elementary functions from + - * / only. frexp and rint are exact, so they are the same everywhere. */
+/* Elementary functions from + - * / only, besides frexp and rint, which are exact and so have the same
+ * results everywhere. */
 #include "dm2/base/real.h"
 
 #include <math.h>

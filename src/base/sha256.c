@@ -1,5 +1,5 @@
-/* SHA-256 as FIPS 180-4 writes it: blocks of 64 bytes, each expanded to 64 words and folded into eight words
- * of state. `length` counts the bytes; those of an unfinished block wait in `block`. */
+/* SHA-256 as in FIPS 180-4: each block of 64 bytes is expanded to 64 words and folded into eight words of
+ * state. `length` counts all bytes; `block` holds the bytes of the unfinished block. */
 #include "dm2/base/sha256.h"
 
 #include <string.h>

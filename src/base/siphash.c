@@ -1,8 +1,8 @@
 /* SipHash-2-4-128 as its authors define it: four words of state, two rounds for every word of 8 bytes, four
- * rounds before each half of the tag. The last word carries the length modulo 256 in its highest byte.
+ * rounds before each half of the tag. The highest byte of the last word is the length modulo 256.
  *
- * Why not HMAC-SHA-256 for every frame: it takes some 20 times as long per byte (docs/security.md has the
- * figures), which a relay of all boundaries would feel in every step. */
+ * Frames do not use HMAC-SHA-256, because HMAC takes some 20 times as long per byte (figures in
+ * docs/security.md) and the relay authenticates all boundaries in every step. */
 #include "dm2/base/siphash.h"
 
 static uint64_t load(const unsigned char *p)

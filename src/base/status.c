@@ -1,3 +1,4 @@
+/* One place formats error texts, and one place maps status codes to exit statuses. */
 #include "dm2/base/status.h"
 
 #include <stdarg.h>

@@ -1,8 +1,9 @@
-/* Texts put together: one allocation of the right size, lengths measured once.
+/* text_join: one allocation of the exact size; each length is measured once.
  *
- * Texts that somebody else wrote and a terminal shows: what is no printable character, in ASCII or
- * well-formed UTF-8, is replaced. U+0080 to U+009F count as control characters, as they do for terminals; so
- * does any byte that is no part of a character, which an 8-bit terminal could take for one of them. */
+ * text_make_printable protects a terminal from control characters in texts of other programs: only printable
+ * characters, in ASCII or well-formed UTF-8, are kept. U+0080 to U+009F count as control characters, as
+ * terminals treat them; so does any byte that is not part of a character, because an 8-bit terminal could
+ * read the byte as a control character. */
 #include "dm2/base/text.h"
 
 #include <stdlib.h>

@@ -1,6 +1,6 @@
-/* The distance is that of Damerau and Levenshtein with neighbours swapped at most once (optimal string
- * alignment); a letter of the wrong case costs an eighth of a wrong letter. A candidate is near when no more
- * than about a third of the word has to change. */
+/* The distance is the Damerau-Levenshtein distance in which neighbouring letters are swapped at most once
+ * (optimal string alignment); a letter of the wrong case costs an eighth of a wrong letter. A candidate is
+ * near where at most about a third of the word must change. */
 #include "dm2/base/words.h"
 
 #include <ctype.h>
@@ -55,13 +55,14 @@ static void list_all(const struct word_list *known, struct word_hint *out)
     }
 }
 
-/* The most that a word of this length may differ. Of a word of one or two letters one must be right. */
+/* The largest distance at which a word of this length is near. One letter of a word of one or two letters
+ * must be right. */
 static int limit(size_t length)
 {
     return length <= 1 ? CASE : length == 2 ? LETTER : LETTER * ((int)length + 1) / 3;
 }
 
-/* Words of so different lengths need no comparison. */
+/* False where the lengths alone differ by more than the limit, so that no comparison is needed. */
 static bool lengths_near(size_t a, size_t b)
 {
     return LETTER * (int)(a > b ? a - b : b - a) <= limit(a);

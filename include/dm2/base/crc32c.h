@@ -5,8 +5,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* The checksum of n more bytes after those that gave `crc`; start with 0. Piecewise is the same as at once.
- */
+/* The checksum of a sequence whose first part has the checksum `crc` (0 for no first part) and whose last n
+ * bytes are data[0 .. n): the result does not depend on the division into parts. */
 uint32_t crc32c(uint32_t crc, const void *data, size_t n);
 
 #endif

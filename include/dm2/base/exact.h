@@ -1,7 +1,8 @@
-/* Exact sums: 128-bit fixed point, so that the order and the grouping of the terms never matter.
+/* Exact sums: 128-bit fixed point in two limbs with a carry, so that the order and the grouping of the terms
+ * do not matter.
  *
  * A term `value` counts as value * 2^shift rounded down to an integer; |value * 2^shift| must stay below
- * 2^120. With 2^-shift as the quantum, every sum of the same terms has the same bits whoever adds them. */
+ * 2^120. In units of the quantum 2^-shift, all sums of the same terms have the same bits. */
 #ifndef DM2_BASE_EXACT_H
 #define DM2_BASE_EXACT_H
 
@@ -16,7 +17,7 @@ struct exact_sum {
     uint64_t lo; /* the number is hi * 2^64 + lo, in quanta */
 };
 
-/* Adds another sum of the same shift. */
+/* Adds *other, a sum of the same shift, to *sum. */
 static inline void exact_merge(struct exact_sum *sum, const struct exact_sum *other)
 {
     uint64_t low = sum->lo + other->lo;
@@ -26,18 +27,18 @@ static inline void exact_merge(struct exact_sum *sum, const struct exact_sum *ot
 }
 
 /* Adds value * 2^shift, 64 - 1022 <= shift <= 64 + 1023. False, and *sum unchanged, where value is not finite
- * or too large. Inline and without a branch on the sign: a measuring step does it some ten times per element.
- */
+ * or too large. Inline and without a branch on the sign, because a measuring step adds some ten values per
+ * element. */
 static inline bool exact_add(struct exact_sum *sum, double value, int shift)
 {
-    double scaled = value * real_pow2(shift - 64); /* in units of 2^64 quanta; exact unless it underflows */
+    double scaled = value * real_pow2(shift - 64); /* in units of 2^64 quanta; exact but for underflow */
     if (scaled == 0.0)
         return true;
     if (!(fabs(scaled) < 0x1p56))
         return false;
     int64_t hi = (int64_t)scaled; /* towards zero */
-    /* The magnitude of the fraction in quanta, 32 bits at a time, every step exact; rounded up where it is to
-     * be taken off (to less than 2^64, as the fraction has 53 bits). */
+    /* The magnitude of the fraction in quanta, 32 bits at a time, every step exact. The magnitude of a
+     * negative fraction is rounded up, to less than 2^64, because the fraction has 53 bits. */
     double rest = scaled - (double)hi, upper = fabs(rest) * 0x1p32;
     int64_t a = (int64_t)upper;
     double lower = (upper - (double)a) * 0x1p32;
@@ -59,8 +60,8 @@ static inline void exact_add_units(struct exact_sum *sum, int64_t units, int lef
     exact_merge(sum, &term);
 }
 
-/* The sum as a double (three roundings at most): the same for the same bits of *sum, within 2^-51 of the
- * exact value. */
+/* The sum as a double, after at most three roundings: a function of the bits of *sum, within a relative 2^-51
+ * of the exact value. */
 double exact_value(const struct exact_sum *sum, int shift);
 
 #endif

@@ -1,17 +1,16 @@
-/* The arithmetic fingerprint: does this machine, as compiled, compute as IEEE 754 says?
+/* The arithmetic fingerprint: does this build, on this machine, compute as IEEE 754 specifies?
  *
- * The promise of the same bits rests on + - * / and sqrt of doubles rounding once, to nearest, with
- * subnormals and without contraction. Client and servers compare fingerprints before they compute together.
- */
+ * The same bits on all machines need that + - * / and sqrt of doubles round once, to nearest, with subnormals
+ * and without contraction. Client and servers compare fingerprints before they compute together. */
 #ifndef DM2_BASE_FINGERPRINT_H
 #define DM2_BASE_FINGERPRINT_H
 
 #include <stdint.h>
 
-/* What every conforming build computes. */
+/* The fingerprint of every conforming build. */
 #define FINGERPRINT_IEEE 0x13c92c2cc024804aU
 
-/* Hash of the bits of some hundred results, computed now. */
+/* The fingerprint of this build: a hash of the bits of 512 results, computed at the call. */
 uint64_t fingerprint_compute(void);
 
 #endif

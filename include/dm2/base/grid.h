@@ -1,5 +1,5 @@
-/* The cell grid (paper, sections 2.1 and 4): the whole domain in cells whose edges strictly exceed
- * R_c + dR, so that an element interacts only with those in its own and the eight surrounding cells. */
+/* The cell grid (paper, sections 2.1 and 4): the domain is divided into cells whose edges strictly exceed R_c
+ * + dR, so that an element interacts only with elements in its own cell and the eight surrounding cells. */
 #ifndef DM2_BASE_GRID_H
 #define DM2_BASE_GRID_H
 
@@ -15,17 +15,17 @@ struct grid {
     bool periodic[2];
 };
 
-/* The grid with the most cells whose edges strictly exceed `reach` = R_c + dR, at least one each way.
- * DM2_DECK where a periodic side has fewer than three cells (an element could meet another twice) or the
- * grid would have more than 2^30 cells. */
+/* The grid with the most cells whose edges strictly exceed `reach` = R_c + dR, in cm like origin and size; at
+ * least one cell along each direction. DM2_DECK where a periodic direction has fewer than three cells,
+ * because a pair of elements could be found twice, or where the grid would have more than 2^30 cells. */
 enum dm2_status grid_build(const double origin[2], const double size[2], const bool periodic[2], double reach,
                            struct grid *out, struct dm2_error *err);
 
-/* The cell of a position. Outside the grid it is the nearest edge cell, so that nothing is lost. */
+/* The cell of a position, cm. Elements outside the grid belong to the nearest edge cell. */
 int grid_cell(const struct grid *g, double x, double y);
 
-/* The distinct cells around `cell`, itself not among them; across periodic sides too. Writes up to 8 to
- * out and returns how many. */
+/* Writes to `out` the distinct cells around `cell`, without `cell` itself, across periodic sides too. Returns
+ * their number, at most 8. */
 int grid_neighbours(const struct grid *g, int cell, int out[8]);
 
 #endif

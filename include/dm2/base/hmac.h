@@ -11,13 +11,14 @@ struct hmac {
     struct sha256 inner, outer;
 };
 
-/* A code is made by start, any number of adds, and finish. A key may have any length. */
+/* The code of a text: hmac_start with a key of n bytes, n arbitrary, then hmac_add for each part, then
+ * hmac_finish. */
 void hmac_start(struct hmac *h, const void *key, size_t n);
 void hmac_add(struct hmac *h, const void *data, size_t n);
 void hmac_finish(struct hmac *h, unsigned char code[SHA256_BYTES]);
 
-/* Are n bytes equal? Takes the same time wherever they differ, so that the time tells nothing about a code.
- */
+/* Are the n bytes of a and b equal? The time does not depend on the bytes, so that the time reveals nothing
+ * about a code. */
 bool hmac_equal(const void *a, const void *b, size_t n);
 
 #endif

@@ -1,12 +1,12 @@
-/* What this machine has, as far as it tells. */
+/* Processors and load of this machine. */
 #ifndef DM2_BASE_MACHINE_H
 #define DM2_BASE_MACHINE_H
 
-/* Processors that are on line; 1 where that is not known. */
+/* The number of online processors, 1 to 65535; 1 where the number is unknown. */
 int machine_cores(void);
 
-/* Processes that want to run, as a mean over the last minute; -1 where the system does not tell
- * (/proc/loadavg). */
+/* The load average of the last minute, the mean number of runnable processes (/proc/loadavg); -1 where the
+ * load is unknown. */
 double machine_load(void);
 
 #endif

@@ -1,19 +1,19 @@
-/* Overflow-checked allocation. Nothing here aborts: NULL means "no memory" or "size overflow". */
+/* Overflow-checked allocation. No function here aborts: NULL means no memory or size overflow. */
 #ifndef DM2_BASE_MEM_H
 #define DM2_BASE_MEM_H
 
 #include <stddef.h>
 
-/* count * size bytes, zeroed, aligned for any type; NULL on overflow or lack of memory. count = 0
- * gives a valid pointer. Free with free(). */
+/* count * size bytes, zeroed, aligned for any type; NULL on overflow or lack of memory. A valid pointer also
+ * for count = 0. The caller frees the block with free(). */
 void *mem_zalloc(size_t count, size_t size);
 
-/* The same, not zeroed and aligned to 64 bytes (a cache line). Free with free(). */
+/* Like mem_zalloc, but not zeroed, and aligned to 64 bytes (a cache line). */
 void *mem_alloc(size_t count, size_t size);
 
-/* An array of at least `need` items of `size` bytes that begins with the first `used` items of `item`, which
- * is freed where it was too small. *cap is the capacity in items and grows geometrically. NULL without
- * memory: then `item` and *cap are as they were.
+/* An array of at least `need` items of `size` bytes that begins with the first `used` items of `item`: `item`
+ * itself where it is large enough, and otherwise a new array that replaces `item`, which is freed. *cap is
+ * the capacity in items and grows geometrically. NULL without memory: then `item` and *cap are unchanged.
  *
  *     struct thing *grown = mem_grown(list->item, &list->cap, list->n, list->n + 1, sizeof *grown);
  *     if (grown == NULL)
@@ -21,8 +21,8 @@ void *mem_alloc(size_t count, size_t size);
  *     list->item = grown; */
 void *mem_grown(void *item, size_t *cap, size_t used, size_t need, size_t size);
 
-/* Makes *block hold at least `need` items of `size` bytes, keeping the first `used` items. *cap is the
- * capacity in items and grows geometrically. Returns 0, or -1 with *block and *cap as they were. */
+/* Lets *block hold at least `need` items of `size` bytes, as mem_grown does. Returns 0, or -1 with *block and
+ * *cap unchanged. */
 int mem_grow(void **block, size_t *cap, size_t used, size_t need, size_t size);
 
 #endif

@@ -8,16 +8,17 @@
 
 enum { NUMBER_TEXT_MAX = 32 };
 
-/* Writes x with the fewest of 15, 16 or 17 significant digits that read back to the same double ("nan",
- * "inf", "-inf" for those) and returns the length. "-0" keeps its sign. */
+/* Writes x with the fewest of 15, 16 or 17 significant digits that read back to the same double, or as "nan",
+ * "inf",
+ * "-inf", and returns the length. A negative zero is "-0". */
 size_t number_format(double x, char out[NUMBER_TEXT_MAX]);
 
-/* Reads the number that fills text[0..length) to its end: decimal digits with optional sign, point and
- * exponent, or nan, inf, -inf. False, and *x unchanged, for anything else: blanks, hexadecimal, an empty
- * field, a number beyond the range of a double. */
+/* Reads text[0 .. length), which must be one number: decimal digits with optional sign, point and exponent,
+ * or nan, inf, -inf. False, and *x unchanged, for any other text: blanks, hexadecimal, an empty field, more
+ * than 127 bytes, a number beyond the range of a double. */
 bool number_parse(const char *text, size_t length, double *x);
 
-/* The same for a whole number in the range of int64_t: digits with an optional sign. */
+/* number_parse for an integer in the range of int64_t: digits with an optional sign, at most 31 bytes. */
 bool number_parse_integer(const char *text, size_t length, int64_t *x);
 
 #endif

@@ -1,10 +1,10 @@
-/* Random numbers as hashes: the same for the same (seed, id, purpose), whoever asks and in whatever order. */
+/* Random numbers as hashes: a number depends on (seed, id, purpose), not on the order of calls. */
 #ifndef DM2_BASE_RANDOM_H
 #define DM2_BASE_RANDOM_H
 
 #include <stdint.h>
 
-/* What a number is for; numbers for different purposes are independent. */
+/* The purpose of a number; numbers for different purposes are independent. */
 enum random_purpose {
     RANDOM_MIX = 1,
     RANDOM_VELOCITY_X,

@@ -1,12 +1,12 @@
-/* exp, log, sine and cosine made only of + - * / and exact scaling, so that they have the same bits with
- * every compiler and C library (libm's differ between versions). */
+/* exp, log, sine and cosine from + - * / and exact scaling only, so that their results have the same bits
+ * with every compiler and C library; the results of libm differ between versions. */
 #ifndef DM2_BASE_REAL_H
 #define DM2_BASE_REAL_H
 
 #include <stdint.h>
 #include <string.h>
 
-/* Integer powers of two by their bits: 2^k for -1022 <= k <= 1023. */
+/* 2^k for -1022 <= k <= 1023, from its bits. */
 static inline double real_pow2(int k)
 {
     uint64_t bits = (uint64_t)(k + 1023) << 52;
@@ -15,8 +15,9 @@ static inline double real_pow2(int k)
     return value;
 }
 
-/* e^x with a relative error below 4e-16 for |x| <= 700; 0 below that range and 2^1023 above it. Inline: it is
- * in the pair law. x = k ln2 + z with |z| <= 0.347, and a Taylor polynomial of degree 13 in z. */
+/* e^x with a relative error below 4e-16 for |x| <= 700; 0 below that range and 2^1023 above it. Inline,
+ * because the pair law calls real_exp. x = k ln2 + z with |z| <= 0.347, and a Taylor polynomial of degree 13
+ * in z. */
 static inline double real_exp(double x)
 {
     const double shifter = 0x1.8p52;
@@ -37,7 +38,8 @@ static inline double real_exp(double x)
     return ((low + z4 * mid) + (z4 * z4) * (high + z4 * pcd)) * real_pow2((int)kd);
 }
 
-/* Natural logarithm of a positive finite x, relative error below 4e-16 away from 1. -inf for 0, NaN below. */
+/* Natural logarithm of a positive finite x, relative error below 4e-16 away from 1. -inf for 0, NaN for x <
+ * 0. */
 double real_log(double x);
 
 /* x^n for x >= 0: exact products for n = 1 and 2, else exp(n log x). */

@@ -1,4 +1,4 @@
-/* SHA-256 (FIPS 180-4): the digest by which client and servers tell whether they read the same deck. */
+/* SHA-256 (FIPS 180-4): client and servers compare the digests of the decks that they have read. */
 #ifndef DM2_BASE_SHA256_H
 #define DM2_BASE_SHA256_H
 
@@ -13,7 +13,7 @@ struct sha256 {
     unsigned char block[64];
 };
 
-/* A digest is made by start, any number of adds, and finish. */
+/* The digest of a text: sha256_start, then sha256_add for each part, then sha256_finish. */
 void sha256_start(struct sha256 *s);
 void sha256_add(struct sha256 *s, const void *data, size_t n);
 void sha256_finish(struct sha256 *s, unsigned char digest[SHA256_BYTES]);

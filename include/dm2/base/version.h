@@ -1,4 +1,4 @@
-/* The version of the programs; --version prints it, client and server tell it each other. */
+/* The version of the programs: --version prints it, and client and server exchange it. */
 #ifndef DM2_BASE_VERSION_H
 #define DM2_BASE_VERSION_H
 

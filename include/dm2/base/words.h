@@ -1,4 +1,4 @@
-/* Suggestions: the known word nearest to one that is not known. */
+/* Suggestions: the known word nearest to an unknown word. */
 #ifndef DM2_BASE_WORDS_H
 #define DM2_BASE_WORDS_H
 
@@ -12,15 +12,18 @@ struct word_list {
     size_t n;
 };
 
-/* What a message says behind "is not known": "; did you mean 'velocity'?" where a candidate is near, else
- * "; known: a, b, c" (cut where it gets long), or "" where there are none. Returns out->text. */
 struct word_hint {
     char text[240];
 };
+
+/* Writes to *out the part of a message that follows "is not known": "; did you mean 'velocity'?" where a
+ * candidate is near, else "; known: a, b, c" (cut to the size of the text), or "" for an empty list. Returns
+ * out->text. */
 const char *words_hint(const struct word_list *known, const char *word, size_t length, struct word_hint *out);
 
-/* Letters to change, insert, remove or swap with their neighbour to get from a to b, times WORDS_LETTER; a
- * letter of the wrong case counts 1. Words of more than 40 letters are as far apart as can be. */
+/* The number of letters to change, insert, remove or swap with their neighbour that turns a into b, times
+ * WORDS_LETTER; a letter of the wrong case counts 1. Words of more than 40 letters have a distance beyond all
+ * others. */
 enum { WORDS_LETTER = 8 };
 int words_distance(const char *a, size_t n_a, const char *b, size_t n_b);
 
