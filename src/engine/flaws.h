@@ -1,4 +1,4 @@
-/* Flaws: which first links are not there. */
+/* Flaws: which links are missing at the start. */
 #ifndef DM2_ENGINE_FLAWS_H
 #define DM2_ENGINE_FLAWS_H
 
@@ -14,8 +14,9 @@ struct link_end {
     const double *r; /* cm */
 };
 
-/* Is the link between two neighbours missing at the start: because it crosses a flaw's line, or by chance?
- * `apart` is the shortest vector from b to a across periodic sides. The same, whichever of the two is a. */
+/* Is the link between two neighbours missing at the start, because the link crosses the line of a flaw or by
+ * chance (missing_links of the body)? `apart` is the shortest vector from b to a across periodic sides, cm.
+ * The answer does not depend on the order of a and b. */
 bool flaws_miss(const struct config *config, struct link_end a, struct link_end b, const double apart[2]);
 
 #endif

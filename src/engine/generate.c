@@ -1,9 +1,9 @@
-/* A body is a shape filled with the sites of a lattice: site (row j, column i) lies at
+/* A body is a shape filled with the sites of a lattice; site (row j, column i) lies at
  *   hexagonal: origin + (i + (j odd ? 1/2 : 0)) d along the row + j row_spacing across it,
  *   square:    origin + i d + j row_spacing,
- * turned about the origin by the body's angle. An element is made where a site's centre is in the shape and
- * in no void. A polycrystal or powder is made grain by grain, each with its own angle and origin
- * (engine/grains.h). */
+ * turned about the origin by the body's angle. A site holds an element where its centre is in the shape and
+ * in no void. A polycrystal or a powder is filled grain by grain; each grain has its own angle and origin
+ * (grains.h). */
 #include "generate.h"
 
 #include <math.h>
@@ -15,16 +15,16 @@
 #include "kinds.h"
 #include "tables.h"
 
-/* The lattice of one body in numbers. */
+/* The lattice of one body or grain, and the range of its sites in a box. */
 struct sites {
     double origin[2], cosine, sine, d, row;
-    double shift; /* of odd rows along the row, cm */
+    double shift; /* offset of odd rows along the row, cm */
     int64_t row_first, row_last, column_first, column_last;
 };
 
-/* The sites of a lattice through `origin` that may lie in the box. */
-static void sites_in(const struct body_config *b, const double origin[2], double cosine, double sine,
-                     const double box[4], struct sites *s)
+/* Finds the rows and columns of a lattice through `origin` whose sites may lie in the box. */
+static void find_sites(const struct body_config *b, const double origin[2], double cosine, double sine,
+                       const double box[4], struct sites *s)
 {
     double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
     *s = (struct sites){.origin = {origin[0], origin[1]},
@@ -47,15 +47,16 @@ static void sites_in(const struct body_config *b, const double origin[2], double
     s->row_last = (int64_t)ceil(high[1] / s->row) + 1;
 }
 
-static void site_position(const struct sites *s, int64_t row, int64_t column, double out[2])
+static void locate_site(const struct sites *s, int64_t row, int64_t column, double out[2])
 {
     double along = (double)column * s->d + ((row & 1) != 0 ? s->shift : 0.0), across = (double)row * s->row;
     out[0] = s->origin[0] + (s->cosine * along - s->sine * across);
     out[1] = s->origin[1] + (s->sine * along + s->cosine * across);
 }
 
-/* The material of an element of a mix (of a grain, where the body has grains): the one in whose share of [0,
- * 1) the random number of its id falls. */
+/* The material of an element with number `id`, or of all elements of a grain with number `id` where the body
+ * has grains: the mix divides [0, 1) in the ratio of its fractions, and the random number of `id` picks the
+ * part. */
 static int choose_material(const struct body_config *b, uint32_t id)
 {
     if (b->n_mix == 1)
@@ -69,7 +70,7 @@ static int choose_material(const struct body_config *b, uint32_t id)
     return b->mix_material[b->n_mix - 1];
 }
 
-static uint8_t probes_at(const struct config *c, const double r[2])
+static uint8_t find_probes(const struct config *c, const double r[2])
 {
     uint8_t mask = 0;
     for (size_t p = 0; p < c->n_probes; p++) {
@@ -80,7 +81,6 @@ static uint8_t probes_at(const struct config *c, const double r[2])
     return mask;
 }
 
-/* The state of a generation. */
 struct generation {
     const struct model *model;
     element_sink sink;
@@ -88,8 +88,8 @@ struct generation {
     uint64_t id;    /* of the next element */
     uint64_t grain; /* of the next grain */
     size_t body;
-    bool has_voids;       /* some void may be in this body */
-    struct grain_set set; /* of this body, where it has grains */
+    bool has_voids;       /* some void applies to this body */
+    struct grain_set set; /* the grains of this body, if any */
     double apart;         /* least distance of elements of two grains, cm */
 };
 
@@ -121,12 +121,12 @@ static enum dm2_status make_element(struct generation *g, uint64_t grain, const 
         e.heat = e.mass * kind->cp * (b->temperature - kind->t0);
     for (int a = 0; a < 2 && model->reaction.any; a++)
         e.share[a] = material == model->reaction.reactant[a] ? 1.0 : 0.0;
-    e.probes = probes_at(c, r);
+    e.probes = find_probes(c, r);
     return g->sink(g->context, &e, err);
 }
 
-/* Is there a place for an element of the body: within its shape, not in a void? */
-static bool body_has(const struct generation *g, const double r[2])
+/* Is r within the shape of the body and in no void? */
+static bool is_in_body(const struct generation *g, const double r[2])
 {
     const struct config *c = g->model->config;
     if (!shape_contains(&c->bodies[g->body].shape, r[0], r[1]))
@@ -145,14 +145,14 @@ static enum dm2_status fill_crystal(struct generation *g, struct dm2_error *err)
     double box[4];
     struct sites s;
     shape_box(&b->shape, box);
-    sites_in(b, b->origin, b->angle != 0.0 ? real_cos(b->angle) : 1.0,
-             b->angle != 0.0 ? real_sin(b->angle) : 0.0, box, &s);
+    find_sites(b, b->origin, b->angle != 0.0 ? real_cos(b->angle) : 1.0,
+               b->angle != 0.0 ? real_sin(b->angle) : 0.0, box, &s);
     for (int64_t row = s.row_first; row <= s.row_last; row++) {
         pulse_beat(&g->model->pulse);
         for (int64_t column = s.column_first; column <= s.column_last; column++) {
             double r[2];
-            site_position(&s, row, column, r);
-            if (!body_has(g, r))
+            locate_site(&s, row, column, r);
+            if (!is_in_body(g, r))
                 continue;
             enum dm2_status status = make_element(g, g->grain, r, err);
             if (status != DM2_OK)
@@ -165,8 +165,8 @@ static enum dm2_status fill_crystal(struct generation *g, struct dm2_error *err)
 
 /* --- bodies with grains --- */
 
-/* Back into the domain, where the body goes round it. */
-static void wrap_into(const struct grain_set *set, const double x[2], double r[2])
+/* The position in the domain of x, which may lie beyond a periodic side that the body spans. */
+static void wrap_position(const struct grain_set *set, const double x[2], double r[2])
 {
     for (int a = 0; a < 2; a++) {
         r[a] = x[a];
@@ -177,44 +177,45 @@ static void wrap_into(const struct grain_set *set, const double x[2], double r[2
     }
 }
 
-/* Has grain `other`, which lies at its centre + shift, a site of its own closer to x than elements may be? */
-static bool grain_takes(const struct generation *g, const struct grain *other, const double shift[2],
-                        const double x[2])
+/* Does grain `other`, shifted by `shift`, hold a site whose distance from x is below g->apart? */
+static bool has_site_near(const struct generation *g, const struct grain *other, const double shift[2],
+                          const double x[2])
 {
     const struct body_config *b = &g->model->config->bodies[g->body];
     double at[2] = {x[0] - shift[0], x[1] - shift[1]};
     double box[4] = {at[0] - g->apart, at[1] - g->apart, at[0] + g->apart, at[1] + g->apart};
     double least2 = g->apart * g->apart * (1.0 - 1e-9);
     struct sites s;
-    sites_in(b, other->centre, other->cosine, other->sine, box, &s);
+    find_sites(b, other->centre, other->cosine, other->sine, box, &s);
     for (int64_t row = s.row_first; row <= s.row_last; row++) {
         for (int64_t column = s.column_first; column <= s.column_last; column++) {
             double y[2], r[2];
-            site_position(&s, row, column, y);
+            locate_site(&s, row, column, y);
             double dx = y[0] - at[0], dy = y[1] - at[1];
             if (dx * dx + dy * dy >= least2 || !grain_holds(&g->set, other, y, 0.0))
                 continue;
-            wrap_into(&g->set, y, r);
-            if (body_has(g, r))
+            wrap_position(&g->set, y, r);
+            if (is_in_body(g, r))
                 return true;
         }
     }
     return false;
 }
 
-/* At a grain boundary the grain with the lower number goes first. Whether its site is taken by a third grain
- * in turn does not matter: so that the answer depends on nothing but the places of the grains. */
-static bool boundary_leaves(const struct generation *g, size_t index, const double x[2])
+/* Does grain `index` keep its site x at its boundaries? A grain loses each site too close to a site of a
+ * neighbour with a lower number, even if the neighbour loses its site to a third grain, so that the answer
+ * depends on the places of the grains alone. */
+static bool keeps_site(const struct generation *g, size_t index, const double x[2])
 {
     const struct grain *grain = &g->set.grain[index];
     for (size_t k = 0; k < grain->n_sides; k++) {
         const struct grain_side *side = &g->set.side[grain->first_side + k];
         bool first = side->neighbour != GRAIN_NO_NEIGHBOUR && (size_t)side->neighbour < index;
-        if ((size_t)side->neighbour == index) /* the grain's own image across a seam */
+        if ((size_t)side->neighbour == index) /* the grain's own image across a periodic side */
             first = side->shift[0] > 0.0 || (side->shift[0] == 0.0 && side->shift[1] > 0.0);
         double inside = side->offset - (side->normal[0] * x[0] + side->normal[1] * x[1]);
         if (first && inside < g->apart * side->length &&
-            grain_takes(g, &g->set.grain[side->neighbour], side->shift, x))
+            has_site_near(g, &g->set.grain[side->neighbour], side->shift, x))
             return false;
     }
     return true;
@@ -226,16 +227,16 @@ static enum dm2_status fill_grain(struct generation *g, size_t index, struct dm2
     const struct grain *grain = &g->set.grain[index];
     bool cells = b->structure == STRUCTURE_POLYCRYSTAL;
     struct sites s;
-    sites_in(b, grain->centre, grain->cosine, grain->sine, grain->box, &s);
+    find_sites(b, grain->centre, grain->cosine, grain->sine, grain->box, &s);
     for (int64_t row = s.row_first; row <= s.row_last; row++) {
         pulse_beat(&g->model->pulse);
         for (int64_t column = s.column_first; column <= s.column_last; column++) {
             double x[2], r[2];
-            site_position(&s, row, column, x);
+            locate_site(&s, row, column, x);
             if (!grain_holds(&g->set, grain, x, cells ? 0.0 : b->radius * (1.0 - 1e-9)))
                 continue;
-            wrap_into(&g->set, x, r);
-            if (!body_has(g, r) || (cells && !boundary_leaves(g, index, x)))
+            wrap_position(&g->set, x, r);
+            if (!is_in_body(g, r) || (cells && !keeps_site(g, index, x)))
                 continue;
             enum dm2_status status = make_element(g, g->grain + index, r, err);
             if (status != DM2_OK)
@@ -245,9 +246,9 @@ static enum dm2_status fill_grain(struct generation *g, size_t index, struct dm2
     return DM2_OK;
 }
 
-/* Elements of two grains of a polycrystal may be closer than their contact distance where links will join
- * them without force; unlinked they would push one another away. */
-static double least_distance(const struct config *c, const struct body_config *b)
+/* The least distance of elements of two grains, cm. Elements that start linked may be closer than their
+ * contact distance, because their links start without force; unlinked elements would repel each other. */
+static double find_least_distance(const struct config *c, const struct body_config *b)
 {
     bool linked = true;
     for (size_t i = 0; i < b->n_mix; i++)
@@ -261,7 +262,7 @@ static double least_distance(const struct config *c, const struct body_config *b
 static enum dm2_status fill_grains(struct generation *g, struct dm2_error *err)
 {
     const struct config *c = g->model->config;
-    g->apart = least_distance(c, &c->bodies[g->body]);
+    g->apart = find_least_distance(c, &c->bodies[g->body]);
     enum dm2_status status =
         grains_build(c, g->body, (uint32_t)g->grain, g->apart, &g->model->pulse, &g->set, err);
     if (status == DM2_OK && g->grain + g->set.n > UINT32_MAX)

@@ -1,5 +1,6 @@
 /* The generator: the elements of every body, in one global order that gives them their ids. Every server runs
- * the whole of it and keeps what is its own, so that nothing is sent at the start (paper, section 5.1). */
+ * the whole generator and keeps the elements of its own cells, so that no element is sent at the start
+ * (paper, section 5.1). */
 #ifndef DM2_ENGINE_GENERATE_H
 #define DM2_ENGINE_GENERATE_H
 
@@ -7,12 +8,13 @@
 #include "dm2/engine/element.h"
 #include "dm2/engine/model.h"
 
-/* Receives one element; the record is the generator's. DM2_OK to go on, anything else ends the generation. */
+/* Receives one element; the record belongs to the generator. Any status but DM2_OK ends the generation. */
 typedef enum dm2_status (*element_sink)(void *context, const struct element *element, struct dm2_error *err);
 
 /* Calls sink for each element, ids 0, 1, 2, ... body by body in deck order, grain by grain, row by row, along
- * the row; grains are numbered in the same order. DM2_DECK where a powder cannot be packed, a body holds no
- * element or there are more than 2^32 - 1, and whatever the sink returned. */
+ * the row; grains are numbered in the same order. DM2_DECK where a powder cannot be packed, a body has no
+ * element, or the elements or the grains are more than 2^32 - 1; DM2_MEMORY; and the status of a sink that
+ * ended the generation. Needs the kinds and the reaction of the model. */
 enum dm2_status generate_elements(const struct model *model, element_sink sink, void *context,
                                   struct dm2_error *err);
 

@@ -1,10 +1,11 @@
-/* Polycrystal: seeds at random, not closer than 0.6 grain sizes where that can be had; a grain is the Voronoi
- * cell of its seed, cut out of the body's box by the bisectors with its neighbours, nearest first. A cell
- * whose vertices are all within s of the seed is not cut by seeds further than 2 s.
+/* Polycrystal: seeds at random places, at least 0.6 grain sizes apart where SEED_TRIES tries find such a
+ * place; a grain is the Voronoi cell of its seed, cut out of the body's box by the bisectors with the
+ * neighbours, nearest first. A cell whose vertices all lie within s of the seed is not cut by seeds further
+ * away than 2 s.
  *
- * Powder: packing.c places the discs in which the grains are inscribed.
+ * Powder: packing.c places the discs that are the grains, or in which polygon grains are inscribed.
  *
- * Where the body spans a periodic direction of the domain, cells and discs go round it. */
+ * Where the body spans a periodic direction of the domain, cells and discs continue across its sides. */
 #include "grains.h"
 
 #include <math.h>
@@ -20,11 +21,11 @@
 static const double pi = 0x1.921fb54442d18p1;
 
 enum { SEED_TRIES = 1000 };
-static const double seed_distance = 0.6; /* of the grain size */
+static const double seed_distance = 0.6; /* in grain sizes */
 
 /* --- Voronoi cells --- */
 
-/* A seed or a periodic image of one. */
+/* A seed or one of its periodic images. */
 struct image {
     double x[2], shift[2];
     int64_t grain;
@@ -70,7 +71,7 @@ static int place_seeds(const struct body_config *body, const double box[4], uint
     return status;
 }
 
-/* Cuts the convex outline at the side. False: it is as it was. */
+/* Cuts the polygon at the side. False: the polygon is unchanged. */
 static bool cut_polygon(struct polygon *o, const struct grain_side *side)
 {
     struct polygon cut = {0};
@@ -99,7 +100,7 @@ static bool cut_polygon(struct polygon *o, const struct grain_side *side)
     return true;
 }
 
-/* Square of the largest distance of a vertex from x. */
+/* The square of the largest distance of a corner from x. */
 static double find_reach2(const struct polygon *o, const double x[2])
 {
     double reach = 0.0;
@@ -132,10 +133,10 @@ static int add_side(struct grain_set *set, struct grain *g, const struct grain_s
     return 0;
 }
 
-/* Lets one image cut the cell of g; a neighbour that only comes within `apart` of it is kept as a side too.
- */
-static int meet_image(struct grain_set *set, struct grain *g, const struct image *im, double apart,
-                      struct polygon *o)
+/* Cuts the cell of g, polygon *o, by the bisector with one image. Adds the bisector to the sides of g where a
+ * corner of the cell is within `apart` of the bisector or beyond it. */
+static int cut_by_image(struct grain_set *set, struct grain *g, const struct image *im, double apart,
+                        struct polygon *o)
 {
     struct grain_side side = {.neighbour = im->grain, .shift = {im->shift[0], im->shift[1]}};
     for (int a = 0; a < 2; a++)
@@ -163,7 +164,7 @@ static int cut_cell(struct grain_set *set, size_t index, const struct image *ima
     g->first_side = set->n_sides;
     int64_t i = point_bins_index(b, 0, g->centre[0]), j = point_bins_index(b, 1, g->centre[1]);
     for (int64_t ring = 0; ring <= b->n[0] + b->n[1]; ring++) {
-        double inner = (double)(ring - 1) * b->edge - 2.0 * apart; /* nothing of this ring is nearer */
+        double inner = (double)(ring - 1) * b->edge - 2.0 * apart; /* no seed of this ring is nearer */
         if (inner > 0.0 && inner * inner > 4.0 * find_reach2(&o, g->centre))
             break;
         for (int64_t v = j - ring; v <= j + ring; v++) {
@@ -176,7 +177,7 @@ static int cut_cell(struct grain_set *set, size_t index, const struct image *ima
                 for (int64_t k = b->head[v * b->n[0] + u]; k >= 0; k = b->next[k]) {
                     bool self = images[k].grain == (int64_t)index && images[k].shift[0] == 0.0 &&
                                 images[k].shift[1] == 0.0;
-                    if (!self && meet_image(set, g, &images[k], apart, &o) != 0)
+                    if (!self && cut_by_image(set, g, &images[k], apart, &o) != 0)
                         return -1;
                 }
             }
@@ -193,7 +194,7 @@ static int cut_cells(struct grain_set *set, const double box[4], double size, do
     struct image *images = mem_alloc(set->n * copies, sizeof *images);
     double low[2], high[2], wide[4];
     struct point_bins bins = {0};
-    for (int a = 0; a < 2; a++) { /* the cells of seeds near a seam reach beyond it */
+    for (int a = 0; a < 2; a++) { /* the cells of seeds near a periodic side reach beyond the side */
         low[a] = set->wraps[a] ? box[a] - set->period[a] : box[a];
         high[a] = set->wraps[a] ? box[a + 2] + set->period[a] : box[a + 2];
         wide[a] = low[a];
@@ -238,9 +239,9 @@ static int build_cells(const struct body_config *body, uint32_t first, double ap
     return cut_cells(set, box, body->grain_size, apart);
 }
 
-/* --- powders --- */
+/* --- outlines of the grains of a powder --- */
 
-/* The sides of a polygon grain, or the box of a disc. */
+/* Sets the box of a grain of a powder, and the sides of a polygon grain. */
 static int find_outline(const struct body_config *body, uint32_t id, struct grain_set *set, struct grain *g)
 {
     struct polygon corners;
@@ -264,9 +265,9 @@ static int find_outline(const struct body_config *body, uint32_t id, struct grai
     return 0;
 }
 
-/* --- polycrystals, powders --- */
+/* --- polycrystals and powders --- */
 
-static void find_seams(const struct config *c, const struct body_config *body, struct grain_set *set)
+static void find_wraps(const struct config *c, const struct body_config *body, struct grain_set *set)
 {
     for (int a = 0; a < 2; a++) {
         const double *box = body->shape.box;
@@ -291,7 +292,7 @@ enum dm2_status grains_build(const struct config *config, size_t index, uint32_t
     const struct body_config *body = &config->bodies[index];
     int failed = 0;
     *set = (struct grain_set){.pulse = pulse};
-    find_seams(config, body, set);
+    find_wraps(config, body, set);
     if (body->structure == STRUCTURE_POLYCRYSTAL) {
         failed = build_cells(body, first_grain, apart, set);
     } else {

@@ -19,8 +19,8 @@ double kind_given(double value, double otherwise)
     return isnan(value) ? otherwise : value;
 }
 
-/* How much smaller and larger than the material itself its elements become in its phases. */
-static void sizes_of(const struct model *m, int material, double *least, double *most)
+/* The least and the largest size of a material's elements in all phases, relative to the first phase. */
+static void find_size_range(const struct model *m, int material, double *least, double *most)
 {
     *least = *most = 1.0;
     for (size_t i = 0; i < m->n_kinds; i++) {
@@ -30,17 +30,18 @@ static void sizes_of(const struct model *m, int material, double *least, double 
     }
 }
 
-/* The largest radius of any element at any time, and by what factor one may grow. Who becomes the product of
- * a reaction brings the size it had along, and the phases of the product change that. */
+/* Finds the largest radius of any element at any time, and the largest factor by which an element may grow.
+ * An element that becomes the product of a reaction keeps its size, and the phases of the product scale that
+ * size. */
 static void bound_sizes(struct model *m)
 {
     const struct reaction_config *r = m->config->n_reactions > 0 ? &m->config->reactions[0] : NULL;
     double largest = 1.0, least, most, product_least = 1.0, product_most = 1.0;
     m->growth = 1.0;
     if (r != NULL)
-        sizes_of(m, r->product, &product_least, &product_most);
+        find_size_range(m, r->product, &product_least, &product_most);
     for (int i = 0; i < (int)m->config->n_materials; i++) {
-        sizes_of(m, i, &least, &most);
+        find_size_range(m, i, &least, &most);
         if (r != NULL && (i == r->reactant[0] || i == r->reactant[1])) {
             least *= product_least;
             most *= product_most;
@@ -51,8 +52,9 @@ static void bound_sizes(struct model *m)
     m->radius_max *= largest;
 }
 
-/* The energy of a phase is that of the one it forms from, plus the latent heat, less what the difference of
- * heat capacities makes up to the temperature at which the latent heat is meant. */
+/* The energy of a phase is the energy of its parent phase plus the latent heat, minus the difference of the
+ * two heat capacities times the temperature range from T0 to the temperature at which the latent heat is
+ * given. */
 void kinds_build(struct model *m)
 {
     const struct config *c = m->config;
@@ -90,7 +92,6 @@ void kinds_build(struct model *m)
     m->has_kinds = m->has_phases || c->n_reactions > 0;
 }
 
-/* Can an element that starts as this material be of this kind? */
 bool kind_may_become(const struct model *m, int material, size_t kind)
 {
     const struct reaction_table *x = &m->reaction;
@@ -120,8 +121,8 @@ void kinds_build_reaction(struct model *m)
                                           .threshold = r->threshold};
     for (int a = 0; a < 2 && m->reaction.stoichiometric; a++)
         m->reaction.share[a] = r->masses[a] / (r->masses[0] + r->masses[1]);
-    /* Equal discs have six neighbours, eight when crushed; a large one may touch up to the 64 that sums
-     * allow. */
+    /* A disc among equal discs has six neighbours, eight in a crushed material; a large disc may touch as
+     * many as the 64 that the sums allow. */
     m->reaction.limit = m->radius_max <= 1.5 * least ? 1.0 / 8.0 : 1.0 / 64.0;
     m->has_heat = true;
 }

@@ -15,7 +15,7 @@ double kind_mass(const struct material_config *material, double radius);
 /* `value`, or `otherwise` where the deck does not give the value (NaN). */
 double kind_given(double value, double otherwise);
 
-/* Can an element that the deck makes of this material be of this kind at some time? Needs the reaction. */
+/* Can an element that the deck makes of this material be of this kind at some time? Needs m->reaction. */
 bool kind_may_become(const struct model *m, int material, size_t kind);
 
 /* Fills m->kinds[0 .. m->n_kinds), which the caller allocated, m->growth, m->has_phases and m->has_kinds, and

@@ -22,8 +22,7 @@ static double harmonic_mean(double a, double b)
     return a + b > 0.0 ? 2.0 * (a * b) / (a + b) : 0.0;
 }
 
-/* k and shape of the pair at contact distance r0, from an explicit k, plain epsilon and sigma, or Hugoniot
- * data. */
+/* Sets k and shape of the pair, from an explicit k, from plain epsilon and sigma, or from Hugoniot data. */
 static enum dm2_status calibrate_centre(const struct material_config *a, const struct material_config *b,
                                         const struct interaction_config *in, struct pair_law *law,
                                         struct dm2_error *err)
@@ -95,8 +94,8 @@ static enum dm2_status build_law(const struct model *m, size_t ia, size_t ib, en
         double kt = 4.0 * g / root3 - law->k;
         law->kt_link = kt < 0.0 ? 0.0 : kt > 0.5 * law->k ? 0.5 * law->k : kt;
     }
-    /* Dry friction needs a spring to load also where the lattice has none: 2/7 kn (Schaefer, Dippel, Wolf,
-     * J. Phys. I 6 (1996) 5, use that ratio for discs). */
+    /* Dry friction needs a tangential spring even where the lattice has none: 2/7 kn, the ratio that
+     * Schaefer, Dippel, Wolf, J. Phys. I 6 (1996) 5, use for discs. */
     law->kt_contact = in.mu > 0.0 && law->kt_link < 2.0 / 7.0 * law->k && isnan(in.kt_ratio)
                           ? 2.0 / 7.0 * law->k
                           : law->kt_link;
@@ -111,8 +110,9 @@ static enum dm2_status build_law(const struct model *m, size_t ia, size_t ib, en
     return DM2_OK;
 }
 
-/* Where all elements of each kind have one radius, and so one mass, the pair loop finds its constants worked
- * out. */
+/* Fills the constants cn_mass to bond of the laws between kinds whose elements all have one radius, hence one
+ * mass. Without memory for the radii no law has these constants, and the pair loop computes them for each
+ * pair. */
 static void find_uniform_kinds(struct model *m)
 {
     const struct config *c = m->config;
@@ -126,7 +126,7 @@ static void find_uniform_kinds(struct model *m)
         }
     }
     if (m->reaction.any)
-        radius[m->reaction.product] = -1.0; /* made of elements of two materials */
+        radius[m->reaction.product] = -1.0; /* the product forms from elements of two materials */
     for (size_t a = 0; a < m->n_kinds; a++) {
         for (size_t b = 0; b < m->n_kinds; b++) {
             size_t ia = (size_t)m->kinds[a].material, ib = (size_t)m->kinds[b].material;

@@ -1,3 +1,4 @@
+/* Sums and counts add; extremes take the further of two. */
 #include "dm2/engine/measures.h"
 
 #include <math.h>

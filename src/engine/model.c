@@ -15,7 +15,7 @@
 #include "stability.h"
 #include "tables.h"
 
-static const double second_shell = 0.6; /* of a contact distance: sqrt(3) less a tenth, less one */
+static const double second_shell = 0.6; /* in contact distances: sqrt(3) - 1, less a tenth or more */
 static const double pi = 0x1.921fb54442d18p1;
 
 static enum dm2_status count_element(void *context, const struct element *element, struct dm2_error *err)
@@ -46,10 +46,11 @@ static enum dm2_status check_reach(const struct model *m, struct dm2_error *err)
     return DM2_OK;
 }
 
-/* Where elements interact by links and contact alone, lists reach so far beyond contact that the second
- * neighbours of a lattice stay out of them though it be compressed by a tenth: pairs that cost little, and
- * fewer rebuilds. They cannot reach beyond R_c + dR, which cells exceed. */
-static struct margins margins_of(const struct model *m)
+/* Where all interactions are links and contacts, the near lists reach beyond contact by second_shell, which
+ * excludes the second neighbours of a hexagonal lattice until the lattice is compressed by 8 %: the
+ * additional pairs cost little, and rebuilds become rarer. No list can reach beyond R_c + dR, because cells
+ * are only that much larger. */
+static struct margins choose_margins(const struct model *m)
 {
     double contact = 2.0 * m->radius_max, dr = m->config->delta_r, reach = m->config->r_c + dr;
     struct margins of = {.close = dr,
@@ -60,9 +61,9 @@ static struct margins margins_of(const struct model *m)
     return of;
 }
 
-/* Sites of a crystal are looked for in a box along its rows, those of a grain in one that is hardly more than
- * four times the grain. */
-static double places_of(const struct body_config *b)
+/* An estimate of the lattice sites and grains that the generator goes through for a body: for a crystal the
+ * sites in a box along its rows, for a grain the sites in a box of about four times the area of the grain. */
+static double count_places(const struct body_config *b)
 {
     double box[4];
     shape_box(&b->shape, box);
@@ -80,12 +81,12 @@ struct model_estimate model_estimate(const struct config *config)
     for (size_t i = 0; i < config->n_bodies; i++) {
         const struct body_config *b = &config->bodies[i];
         e.elements += shape_area(&b->shape) / (b->spacing * b->row_spacing);
-        e.places += places_of(b);
+        e.places += count_places(b);
     }
     return e;
 }
 
-/* All tables that follow the memory for kinds and laws. */
+/* Fills all tables of *m, whose kinds and laws are allocated. */
 static enum dm2_status build_tables(struct model *m, struct dm2_error *err)
 {
     const struct config *c = m->config;
@@ -115,7 +116,7 @@ static enum dm2_status build_tables(struct model *m, struct dm2_error *err)
         status = generate_elements(m, count_element, &m->n_elements, err);
     if (status != DM2_OK)
         return status;
-    m->margins = margins_of(m);
+    m->margins = choose_margins(m);
     scales_choose(m);
     scales_find_far_ranges(m);
     stability_find_time_step(m);

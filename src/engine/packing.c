@@ -1,8 +1,9 @@
-/* Powder: discs at random places, overlapping; then sweeps in which every overlapping pair is pushed apart by
- * half its overlap each and every disc into the container, until none overlaps (after 1000 sweeps: by no more
- * than 1e-5 of the grain size; large dense packings come that far and hardly further). That reaches solid
- * fractions of about 0.8 (the random close packing of discs is 0.82 to 0.84). Polygons are inscribed in such
- * discs, with 5 to 8 corners. */
+/* Discs start at random places and overlap. Each sweep pushes both discs of every overlapping pair apart by
+ * half the overlap, and every disc into the container, until no two discs overlap. After 1000 sweeps an
+ * overlap of 1e-5 grain sizes is accepted, because large dense packings reach that overlap and hardly less.
+ * The solid fraction reaches about 0.8 (the random close packing of discs is 0.82 to 0.84). Polygons have 5
+ * to 8 corners and are inscribed in such discs. Across periodic sides that the body spans, overlaps are those
+ * of the nearest images. */
 #include "packing.h"
 
 #include <math.h>
@@ -15,11 +16,11 @@
 
 static const double pi = 0x1.921fb54442d18p1;
 
-enum { SWEEPS = 20000, PATIENCE = 1000 };
-static const double push_slack = 1e-3; /* discs are pushed apart by so much more than they need */
-static const double left_over = 1e-5;  /* of the grain size: an overlap that may stay after many sweeps */
+enum { SWEEPS = 20000, STRICT_SWEEPS = 1000 };
+static const double push_slack = 1e-3; /* extra distance of a push, relative to the contact distance */
+static const double left_over = 1e-5;  /* in grain sizes: the overlap accepted after STRICT_SWEEPS sweeps */
 
-/* Keeps a disc of this radius in the container. Gives how far it was outside, cm. */
+/* Moves a disc of this radius at x into the container. Returns the distance of the move, cm. */
 static double keep_inside(const struct body_config *body, const struct grain_set *set, double x[2],
                           double radius)
 {
@@ -47,7 +48,8 @@ static double keep_inside(const struct body_config *body, const struct grain_set
     return out;
 }
 
-/* Pushes two discs apart where they overlap or almost touch. Gives their overlap, without slack. */
+/* Pushes discs i and j apart where they are closer than their contact distance times 1 + slack. Returns their
+ * overlap, cm, which does not include the slack. */
 static double push_apart(struct grain_set *set, size_t i, size_t j, double slack, uint64_t seed)
 {
     struct grain *p = &set->grain[i], *q = &set->grain[j];
@@ -61,7 +63,7 @@ static double push_apart(struct grain_set *set, size_t i, size_t j, double slack
     if (r2 >= wanted * wanted)
         return 0.0;
     double r = sqrt(r2);
-    if (!(r > 1e-6 * touch)) { /* on one another: along any direction */
+    if (!(r > 1e-6 * touch)) { /* the centres coincide: push along a random direction */
         double angle = 2.0 * pi * random_uniform(seed, i, RANDOM_GRAIN_ANGLE);
         d[0] = real_cos(angle);
         d[1] = real_sin(angle);
@@ -77,7 +79,8 @@ static double push_apart(struct grain_set *set, size_t i, size_t j, double slack
     return touch - r;
 }
 
-/* The bins of one row or column around i, without meeting one twice where there are few and they go round. */
+/* Lists bin i and the bins next to bin i along one direction of n bins, each bin once, even where the
+ * direction wraps and has fewer than three bins. */
 static size_t list_bins_around(int64_t i, int64_t n, bool wraps, int64_t out[3])
 {
     size_t count = 0;
@@ -92,7 +95,8 @@ static size_t list_bins_around(int64_t i, int64_t n, bool wraps, int64_t out[3])
     return count;
 }
 
-/* One sweep over all discs. Gives the largest overlap that it met. */
+/* One sweep over all discs. Returns the largest overlap of two discs, or of a disc with the container's wall,
+ * that the sweep removed, cm. */
 static double sweep_discs(const struct body_config *body, struct grain_set *set, struct point_bins *b,
                           double slack)
 {
@@ -122,13 +126,12 @@ static double sweep_discs(const struct body_config *body, struct grain_set *set,
     return worst;
 }
 
-/* Corners of a polygon grain: 5 to 8. */
+/* The number of corners of a polygon grain, 5 to 8. */
 static int count_corners(const struct body_config *body, uint32_t grain)
 {
     return 5 + (int)floor(4.0 * random_uniform(body->seed, grain, RANDOM_GRAIN_CORNERS));
 }
 
-/* The corners on the unit circle, each near its place in a regular polygon. Gives the area of the polygon. */
 double packing_corners(const struct body_config *body, uint32_t grain, struct polygon *out)
 {
     int n = count_corners(body, grain);
@@ -147,19 +150,20 @@ double packing_corners(const struct body_config *body, uint32_t grain, struct po
     return area;
 }
 
-/* Share of a grain in the square of its radius. */
-static double area_share(const struct body_config *body, uint32_t grain)
+/* The area of a grain over the square of its radius. */
+static double relative_area(const struct body_config *body, uint32_t grain)
 {
     struct polygon corners;
     return body->structure == STRUCTURE_POLYGONS ? packing_corners(body, grain, &corners) : pi;
 }
 
-/* Radii with the deck's mean and spread, then scaled (by little) so that the solid fraction is exact. */
+/* Chooses radii with the deck's mean and spread, and scales them slightly so that the solid fraction is
+ * exact. */
 static int choose_radii(const struct body_config *body, uint32_t first, struct grain_set *set)
 {
     double want = body->solid_fraction * shape_area(&body->shape), mean = 0.0, sum = 0.0;
     for (uint32_t g = 0; g < 64; g++)
-        mean += area_share(body, first + g) / 64.0;
+        mean += relative_area(body, first + g) / 64.0;
     double spread2 = body->grain_spread * body->grain_spread / 3.0; /* of a uniform distribution */
     double n = rint(want / (mean * 0.25 * (body->grain_size * body->grain_size) * (1.0 + spread2)));
     set->n = n > 1.0 ? (size_t)n : 1;
@@ -171,7 +175,7 @@ static int choose_radii(const struct body_config *body, uint32_t first, struct g
         double u = 2.0 * random_uniform(body->seed, id, RANDOM_GRAIN_SIZE) - 1.0;
         double radius = 0.5 * body->grain_size * (1.0 + body->grain_spread * u);
         set->grain[g].radius = radius;
-        sum += area_share(body, id) * (radius * radius);
+        sum += relative_area(body, id) * (radius * radius);
     }
     double scale = sqrt(want / sum);
     for (size_t g = 0; g < set->n; g++)
@@ -201,11 +205,10 @@ enum dm2_status packing_build(const struct body_config *body, uint32_t first, st
         return dm2_fail(err, DM2_MEMORY, "no memory for the grains of the body '%s'", body->name);
     }
     double touch = 1e-9 * body->grain_size;
-    while (sweeps++ < most && worst > (sweeps <= PATIENCE ? touch : left_over * body->grain_size)) {
+    while (sweeps++ < most && worst > (sweeps <= STRICT_SWEEPS ? touch : left_over * body->grain_size)) {
         pulse_beat(set->pulse);
         worst = sweep_discs(body, set, &bins, push_slack);
-        if (worst <= touch) /* what the slack pushed may overlap now; without it, nothing moves unless
-                               something does */
+        if (worst <= touch) /* without slack only overlaps, which the last pushes may have made, move discs */
             worst = sweep_discs(body, set, &bins, 0.0);
     }
     point_bins_free(&bins);

@@ -32,7 +32,6 @@ void point_bins_free(struct point_bins *b)
     *b = (struct point_bins){0};
 }
 
-/* The column or row of a coordinate; the last one also takes what is beyond. */
 int64_t point_bins_index(const struct point_bins *b, int a, double x)
 {
     double i = floor((x - b->low[a]) / b->edge);

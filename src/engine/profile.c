@@ -1,5 +1,5 @@
-/* Sums over bins (docs/physics.md, section 12). Velocities are those of the whole step, as in the history;
- * stress is the mean of leapfrog_stress, each element weighted by the volume of its cell at rest. */
+/* Sums over bins (docs/physics.md, section 12). Velocities are whole-step velocities, as in the history;
+ * stress is the mean of leapfrog_stress, each element weighted by the volume of its lattice cell at rest. */
 #include "dm2/engine/profile.h"
 
 #include <math.h>
@@ -17,7 +17,7 @@ long profile_bin_of(const struct profile_config *c, double x)
     if (!(x >= c->range[0] && x < c->range[1]))
         return -1;
     long bin = (long)((x - c->range[0]) / bin_width(c));
-    return bin < c->bins ? bin : c->bins - 1; /* rounding may reach the end */
+    return bin < c->bins ? bin : c->bins - 1; /* the quotient may round up to c->bins */
 }
 
 double profile_centre(const struct profile_config *c, size_t bin)

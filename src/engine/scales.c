@@ -1,5 +1,4 @@
-/* The scales follow from the deck's laws, masses and sizes alone, so that all servers of a run have the same.
- */
+/* The scales follow from the deck's laws, masses and sizes alone, so that all servers of a run agree. */
 #include "scales.h"
 
 #include <math.h>
@@ -14,8 +13,8 @@ static double fixed_scale(double largest, int bits)
     return ldexp(1.0, bits - e);
 }
 
-/* Scales from the deck alone. F_ref = k r0 is the force of a bond strained by 100 %. Sums of up to 64 pairs
- * of 2^57 fit in 64 bits; the far sums use the 51 bits that adding 1.5 * 2^52 leaves, see force.c. */
+/* The reference force F_ref = k r0 is the force of a bond strained by 100 %. Sums of up to 64 pairs of 2^57
+ * fit in 64 bits; the far sums use the 51 bits that are left when 1.5 * 2^52 is added, see far.c. */
 void scales_choose(struct model *m)
 {
     const struct config *c = m->config;
@@ -52,7 +51,7 @@ void scales_choose(struct model *m)
     m->fixed.over_heat = 1.0 / m->fixed.heat;
     double extent = c->size[0] + c->size[1] + fabs(c->origin[0]) + fabs(c->origin[1]);
     m->far_place = 0x1p30 * (extent + m->far_cutoff);
-    double speed = extent / c->dt; /* nothing moves faster than a cell per step */
+    double speed = extent / c->dt; /* a bound: no element crosses the domain in one step */
     int e;
     (void)frexp(force * r0, &e);
     m->scales.energy = 80 - e;
@@ -66,11 +65,12 @@ void scales_choose(struct model *m)
     m->scales.mass = 118 - e;
     (void)frexp(r0 * r0 * (double)m->n_elements, &e);
     m->scales.volume = 118 - e;
-    (void)frexp(1e12 * (double)m->n_elements, &e); /* no element is hotter than 1e12 K */
+    (void)frexp(1e12 * (double)m->n_elements, &e); /* a bound: no element is hotter than 1e12 K */
     m->scales.temperature = 118 - e;
 }
 
-/* Where a Lennard-Jones force, scaled, reaches 2^50: far.c checks distances instead of forces. */
+/* r2_least is the r^2 below which a scaled Lennard-Jones force reaches 2^50, so that far.c can check
+ * distances instead of forces. */
 void scales_find_far_ranges(struct model *m)
 {
     for (size_t i = 0; i < m->n_kinds * m->n_kinds * RELATION_COUNT; i++) {

@@ -1,5 +1,4 @@
-/* The stable time step: over all elements and all laws that can act on them, the smallest limit of any mode.
- */
+/* The stable time step is the smallest limit of any mode, over all elements and all laws that act on them. */
 #include "stability.h"
 
 #include <math.h>
@@ -14,7 +13,7 @@ static double larger(double a, double b)
     return a > b ? a : b;
 }
 
-/* Takes a limit that is smaller than the one so far. */
+/* Keeps the limit dt, with its mode and pair, where dt is below the smallest limit so far. */
 static void limit_time_step(struct model *m, double dt, const char *mode, size_t a, size_t b)
 {
     if (!(dt < m->dt_stable))
@@ -25,10 +24,10 @@ static void limit_time_step(struct model *m, double dt, const char *mode, size_t
     m->dt_kinds[1] = b;
 }
 
-/* The largest stable step of an element of this mass among neighbours of this law: omega^2 dt^2 + 2 gamma dt
- * < 4 for its stiffest mode. Translation omega^2 = (6 kn + 2 kt)/m, gamma = (6 c_n + 2 c_t)/m; rotation
- * omega^2 = 24 kt/m, gamma = 24 c_t/m. The factors of damping with P and T are not known before the run and
- * not in it. */
+/* The largest stable step of an element of mass m whose six neighbours have this law: omega^2 dt^2 + 2 gamma
+ * dt < 4 for the stiffest mode. Translation omega^2 = (6 kn + 2 kt)/m, gamma = (6 c_n + 2 c_t)/m; rotation
+ * omega^2 = 24 kt/m, gamma = 24 c_t/m. The factors by which damping depends on P and T are not known before
+ * the run and are omitted. */
 static void limit_by_law(struct model *m, double mass, double m_eff, size_t a, size_t b,
                          const struct pair_law *law)
 {
@@ -42,13 +41,14 @@ static void limit_by_law(struct model *m, double mass, double m_eff, size_t a, s
         if (!(o > 0.0))
             continue;
         double dt = (sqrt(g * g + 4.0 * o) - g) / o;
-        limit_time_step(m, dt, modes[mode][2.0 * g > o * dt], a, b); /* which term is the larger */
+        limit_time_step(m, dt, modes[mode][2.0 * g > o * dt], a, b); /* names the larger term */
     }
 }
 
-/* Over all elements and the laws that they can come under. m_eff is that of the two masses where their kinds
- * have one each, and else with the heaviest element of the deck for a partner: never too small. Heat: the
- * shortest wave of the hexagonal lattice, 9 kappa/sqrt(3) / (m cp) dt < 2. */
+/* Goes through all elements of the deck and all laws that can act on them. m_eff is the effective mass of the
+ * two kinds where the law has it, and otherwise the effective mass with the heaviest element of the deck as
+ * partner, which is never too small. Heat conduction: 9 kappa/sqrt(3) / (m cp) dt < 2 for the shortest wave
+ * of the hexagonal lattice. */
 void stability_find_time_step(struct model *m)
 {
     const struct config *c = m->config;
@@ -71,7 +71,7 @@ void stability_find_time_step(struct model *m)
                     continue;
                 if (law->cn_mass >= 0.0 && law->cn > 0.0)
                     m_eff = (law->cn_mass / law->cn) * (law->cn_mass / law->cn);
-                if (c->bodies[body].motion == MOTION_FREE) /* what is driven does not vibrate */
+                if (c->bodies[body].motion == MOTION_FREE) /* driven elements do not vibrate */
                     limit_by_law(m, mass, m_eff, a, b, law);
                 if (law->conduction > 0.0 && isfinite(cp))
                     limit_time_step(m, 2.0 * mass * cp / (9.0 / root3 * law->conduction), "heat conduction",

@@ -1,4 +1,4 @@
-/* The inside of struct model, for the engine's own files; other layers use dm2/engine/model.h. */
+/* The fields of struct model, for the engine's own files; other layers use dm2/engine/model.h. */
 #ifndef DM2_ENGINE_TABLES_H
 #define DM2_ENGINE_TABLES_H
 
@@ -15,40 +15,40 @@
  * n_materials; the phases of the deck follow. */
 struct kind {
     int material;
-    const struct material_config *state; /* its constants; the config's */
-    const struct phase_config *phase;    /* how it forms; NULL: a first phase */
-    size_t from;                         /* kind that it forms from */
-    double size;                         /* radius over that in the first phase, sqrt(rho0 first / rho0) */
+    const struct material_config *state; /* its constants; belongs to the config */
+    const struct phase_config *phase;    /* how the phase forms; NULL: a first phase */
+    size_t from;                         /* the kind from which this kind forms */
+    double size;       /* radius over the radius in the first phase, sqrt(rho0 of the first phase / rho0) */
     double energy;     /* per mass, above the first phase at t0, cm2/us2 (docs/physics.md, section 9) */
-    double hysteresis; /* Mbar or K, by phase->transition */
+    double hysteresis; /* Mbar or K, according to phase->transition */
     double t0, tm, softening; /* tm infinite: never softens */
     double over_range;        /* 1/(tm - t0), 1/K; 0 where tm is infinite */
     double cp, over_cp;       /* infinite and 0: the temperature stays at t0 */
 };
 
-/* Fixed-point scales: a double times the scale, rounded, is what the 64-bit sums add. Powers of two. */
+/* Fixed-point scales, powers of two: the 64-bit sums add the rounded product of a value and its scale. */
 struct fixed_scales {
     double over_far_force, over_force, over_torque, over_heat; /* reciprocals, exact */
     double far_force, force, torque, heat, virial, around, energy;
     int energy_left; /* measure_scales.energy = log2(energy) + energy_left */
 };
 
-/* The deck's reaction in numbers (engine/reaction.h). */
+/* The deck's reaction in numbers (reaction.h). */
 struct reaction_table {
     bool any;
     int reactant[2], product; /* materials */
     bool stoichiometric;
-    double share[2];  /* mass of each reactant in a mass of product */
+    double share[2];  /* mass fraction of each reactant in the product */
     double k0, theta; /* g/cm2/us; Ea/R, K */
     double heat;      /* per mass of product, cm2/us2 */
     double threshold;
-    double limit;      /* part of what an element holds that one pair may take in a step */
+    double limit;      /* largest fraction of an element's reactant that one pair may consume in a step */
     double mass_scale; /* fixed-point scale of masses */
 };
 
 struct model {
     const struct config *config;
-    struct pulse pulse; /* beaten by all that takes long */
+    struct pulse pulse; /* beats in all long work */
     struct grid grid;
     size_t n_kinds;
     struct kind *kinds;
@@ -58,36 +58,37 @@ struct model {
     bool has_spin;         /* some law is tangential: elements rotate */
     bool has_damping;      /* some law damps: velocities of mirrored elements matter */
     bool has_heat;         /* temperature changes something: softening, conduction, damping's a_t */
-    bool has_pressure;     /* some damping depends on pressure */
+    bool has_pressure;     /* some law's damping depends on pressure */
     bool has_phases;       /* the deck has phases: pressure is needed at every step */
     bool has_kinds;        /* elements may change their kind, by phase or reaction */
     struct reaction_table reaction;
-    double growth;     /* by what factor the radius of an element may grow; 1 without phases */
-    bool has_strain;   /* the deck asks for strain: velocities of mirrored elements matter */
-    bool uniform_far;  /* one kind, one far law */
-    bool wide_far;     /* and that law is a plain Lennard-Jones potential: rows of the far list are padded to
-                          fours */
-    bool wide_near;    /* the commonest laws allow near pairs to be taken four at a time */
-    double far_cutoff; /* largest cutoff of scope all, cm; 0 without */
-    double far_place;  /* x and y of the slot that fills lists up: beyond all reach, and near enough that
-                          forces there  are no denormal numbers, which are slow, cm */
+    double growth;    /* largest factor by which the radius of an element may grow; 1 without phases */
+    bool has_strain;  /* the deck asks for strain: velocities of mirrored elements matter */
+    bool uniform_far; /* one kind, one far law */
+    bool wide_far;    /* uniform_far, and the law is a plain Lennard-Jones potential: the rows of the far list
+                         are    padded to multiples of four */
+    bool wide_near;   /* some law allows its linked pairs to be taken four at a time */
+    double far_cutoff; /* largest cutoff of a law of scope all, cm; 0 without such laws */
+    double far_place;  /* x and y of the slot that pads the lists, cm: beyond every cutoff, and near enough
+                          that no  force is a subnormal number, because arithmetic with subnormals is slow */
     double radius_max; /* largest radius of any element at any time, cm */
     struct margins margins;
-    double dt_stable;
-    const char *dt_mode; /* what limits it */
-    size_t dt_kinds[2];  /* of which pair */
+    double dt_stable;    /* us */
+    const char *dt_mode; /* the mode that limits dt_stable */
+    size_t dt_kinds[2];  /* the kinds of the pair that limits dt_stable */
     size_t n_elements;
     struct fixed_scales fixed;
     struct measure_scales scales;
 };
 
+/* The law of an ordered pair of kinds. */
 static inline const struct pair_law *model_law(const struct model *m, size_t a, size_t b,
                                                enum relation relation)
 {
     return &m->laws[(a * m->n_kinds + b) * RELATION_COUNT + (size_t)relation];
 }
 
-/* How two elements stand to each other. */
+/* The relation of two elements, from their bodies and grains. */
 static inline enum relation relation_of(uint16_t body_i, uint32_t grain_i, uint16_t body_j, uint32_t grain_j)
 {
     return body_i != body_j     ? RELATION_OTHER_BODY

@@ -1,6 +1,6 @@
 /* The tables that the engine computes with, worked out from a config: kinds of elements, pair laws, scales of
- * the fixed-point sums, the stable time step. Everything is plain numbers: two programs that load the same
- * deck have the same model, bit for bit. */
+ * the fixed-point sums, the stable time step. All entries are plain numbers, and two programs that load the
+ * same deck have the same model, bit for bit. */
 #ifndef DM2_ENGINE_MODEL_H
 #define DM2_ENGINE_MODEL_H
 
@@ -14,38 +14,43 @@
 #include "dm2/engine/pulse.h"
 #include "dm2/engine/rebuild.h"
 
-struct model; /* completed in engine/tables.h for the engine; the accessors below are what other layers need
-               */
+struct model; /* complete in src/engine/tables.h; other layers use the functions below */
 
-/* What a deck asks for, from its areas alone: to be looked at before anything is made of it. */
+/* The size of the run that a deck asks for, from the deck's areas alone: a program can refuse a deck that is
+ * too large before it builds the model. */
 struct model_estimate {
-    double elements; /* area of the bodies over that of an element: voids and pores are not taken off */
-    double places;   /* lattice sites and grains that are gone through to make them */
+    double elements; /* area of the bodies over the area of an element; voids and pores are not subtracted */
+    double places;   /* lattice sites and grains that the generator goes through */
     double cells;    /* of the grid */
 };
 struct model_estimate model_estimate(const struct config *config);
 
-/* Works out the tables. The config is borrowed for the life of the model. DM2_DECK with the reason: r_c below
- * the contact distance, a law that cannot be calibrated, a powder that cannot be packed, a time step that is
- * not stable; the last two with their place in the deck (config_fail). */
+/* Works out the tables. *out belongs to the caller, who frees it with model_free; the config is borrowed for
+ * the life of the model. DM2_DECK with the reason: r_c below the contact distance or a cutoff, a law that
+ * cannot be calibrated, phases, reactions or strain without the interactions that they need, a grid that
+ * grid_build refuses, a body without elements, too many elements or grains, a powder that cannot be packed, a
+ * time step that is not stable; the powder and the time step with their place in the deck (config_fail).
+ * DM2_MEMORY. On failure *out is NULL. */
 enum dm2_status model_build(const struct config *config, struct model **out, struct dm2_error *err);
 
-/* The same where somebody waits: the pulse beats while the model is built, and in all that is computed with
- * it. */
+/* model_build with a pulse, which beats while the model is built and in all long work that uses the model. */
 enum dm2_status model_build_watched(const struct config *config, struct pulse pulse, struct model **out,
                                     struct dm2_error *err);
 void model_free(struct model *model);
 
 const struct config *model_config(const struct model *model);
 const struct grid *model_grid(const struct model *model);
-/* What rebuild_plan_start needs. */
+/* The margins of the neighbour lists, for rebuild_plan_start. */
 struct margins model_margins(const struct model *model);
+/* The shifts of all exact sums. */
 struct measure_scales model_scales(const struct model *model);
-size_t model_elements(const struct model *model); /* elements that the generator makes */
-double model_stable_dt(const struct model *model,
-                       const char **which); /* us; *which names the limiting mode */
+/* The number of elements that the generator makes. */
+size_t model_elements(const struct model *model);
+/* The stable time step, us; *which is the name of the limiting mode, a constant text. */
+double model_stable_dt(const struct model *model, const char **which);
 
-/* Elements per cell, counts[cx*cy], as generated: for the decomposition by particles. */
+/* Fills counts[cx * cy] with the number of generated elements in each cell, the weights of the decomposition
+ * by particles. DM2_MEMORY. */
 enum dm2_status model_cell_counts(const struct model *model, uint32_t *counts, struct dm2_error *err);
 
 #endif
