@@ -29,19 +29,20 @@ bool bins_lay_out(struct bins *b, const struct grid *cells, const double *r, siz
            (double)b->grid.cx * b->grid.cy <= most;
 }
 
-static int hold(uint32_t **array, size_t *cap, size_t n)
+static int hold_items(uint32_t **array, size_t *cap, size_t n)
 {
-    void *block = *array;
-    int status = mem_grow(&block, cap, 0, n, sizeof **array);
-    *array = block;
-    return status;
+    uint32_t *grown = mem_grown(*array, cap, 0, n, sizeof *grown);
+    if (grown == NULL)
+        return -1;
+    *array = grown;
+    return 0;
 }
 
 int bins_assign(struct bins *b, const double *r, size_t n)
 {
     size_t count = (size_t)b->grid.cx * (size_t)b->grid.cy;
-    if (hold(&b->start, &b->start_cap, count + 2) != 0 || hold(&b->slot, &b->slot_cap, n) != 0 ||
-        hold(&b->bin, &b->bin_cap, n) != 0)
+    if (hold_items(&b->start, &b->start_cap, count + 2) != 0 || hold_items(&b->slot, &b->slot_cap, n) != 0 ||
+        hold_items(&b->bin, &b->bin_cap, n) != 0)
         return -1;
     memset(b->start, 0, (count + 2) * sizeof *b->start);
     for (size_t i = 0; i < n; i++) {

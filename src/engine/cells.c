@@ -102,8 +102,8 @@ size_t cells_bytes(const struct cells *c, const struct domain_map *map)
 int cells_assign_mirrored(struct cells *c, const struct particles *p, const int32_t *cell_of)
 {
     size_t count = p->n - p->n_own;
-    void *slots = c->mirror_slot;
-    if (mem_grow(&slots, &c->mirror_cap, 0, count, sizeof *c->mirror_slot) != 0)
+    uint32_t *slots = mem_grown(c->mirror_slot, &c->mirror_cap, 0, count, sizeof *slots);
+    if (slots == NULL)
         return -1;
     c->mirror_slot = slots;
     memset(c->mirror_start, 0, ((size_t)c->n_mirrored + 1) * sizeof *c->mirror_start);

@@ -10,16 +10,7 @@
 #include <string.h>
 
 #include "dm2/base/mem.h"
-
-struct id_slot {
-    uint32_t id, slot;
-};
-
-static int by_id(const void *a, const void *b)
-{
-    const struct id_slot *ia = a, *ib = b;
-    return ia->id < ib->id ? -1 : ia->id > ib->id;
-}
+#include "id_order.h"
 
 /* Where one rank owns everybody, ids are 0 to n - 1 and tell the place themselves. */
 static bool place_by_id(struct state_reader *r)
@@ -34,16 +25,9 @@ static bool place_by_id(struct state_reader *r)
 
 static int sort_by_id(struct state_reader *r)
 {
-    struct id_slot *order = mem_alloc(r->n_elements, sizeof *order);
-    if (order == NULL)
-        return -1;
     for (size_t i = 0; i < r->n_elements; i++)
-        order[i] = (struct id_slot){r->p->id[i], (uint32_t)i};
-    qsort(order, r->n_elements, sizeof *order, by_id);
-    for (size_t k = 0; k < r->n_elements; k++)
-        r->slot[k] = order[k].slot;
-    free(order);
-    return 0;
+        r->slot[i] = (uint32_t)i;
+    return id_order_slots(r->p->id, r->slot, r->n_elements);
 }
 
 /* Is this entry a record here? Then *low is the slot of the lower id, which is owned. */
