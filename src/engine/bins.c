@@ -1,5 +1,5 @@
-/* A counting sort. Where nothing is periodic the last bins reach beyond the elements, so that edges are no
- * longer than asked for; along a periodic side they divide the domain. */
+/* A counting sort. Along a side that is not periodic the last bins reach beyond the elements, so that edges
+ * are no longer than asked for; along a periodic side the bins divide the domain. */
 #include "bins.h"
 
 #include <math.h>
@@ -29,6 +29,7 @@ bool bins_lay_out(struct bins *b, const struct grid *cells, const double *r, siz
            (double)b->grid.cx * b->grid.cy <= most;
 }
 
+/* Makes *array hold n items, with no contents kept. 0, or -1 without memory. */
 static int hold_items(uint32_t **array, size_t *cap, size_t n)
 {
     uint32_t *grown = mem_grown(*array, cap, 0, n, sizeof *grown);
@@ -51,7 +52,7 @@ int bins_assign(struct bins *b, const double *r, size_t n)
     }
     for (size_t k = 2; k < count + 2; k++)
         b->start[k] += b->start[k - 1];
-    /* start[bin + 1] is the cursor of its bin and ends where the next begins. */
+    /* start[bin + 1] is the cursor of `bin`, and ends as the start of the next bin. */
     for (size_t i = 0; i < n; i++)
         b->slot[b->start[b->bin[i] + 1]++] = (uint32_t)i;
     return 0;

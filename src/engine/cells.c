@@ -1,5 +1,5 @@
-/* Which cells a subdomain sees. A cell is mirrored where it surrounds an own cell and belongs to another
- * rank: the outer boundary of the paper (section 5.1), the neighbours' inner boundary. */
+/* A cell of another rank is mirrored where it is next to an own cell: mirrored cells are the outer boundary
+ * of the paper (section 5.1), and belong to the inner boundaries of the neighbours. */
 #include "cells.h"
 
 #include <stdlib.h>
@@ -65,7 +65,7 @@ enum dm2_status cells_build(struct cells *c, const struct domain_map *map, int r
             int32_t local = c->local_of[around[k]];
             if (local <= own)
                 continue;
-            uint32_t at = filled++; /* kept ascending, so that ranges that touch can be walked as one */
+            uint32_t at = filled++; /* kept ascending, so that adjacent ranges can be walked as one */
             while (at > c->ring_start[own] && c->ring[at - 1] > local) {
                 c->ring[at] = c->ring[at - 1];
                 at--;
@@ -111,7 +111,8 @@ int cells_assign_mirrored(struct cells *c, const struct particles *p, const int3
         c->mirror_start[c->local_of[cell_of[k]] - c->n_own + 1]++;
     for (int cell = 0; cell < c->n_mirrored; cell++)
         c->mirror_start[cell + 1] += c->mirror_start[cell];
-    /* Filling moves each start to its cell's end; filling backwards moves it back. */
+    /* mirror_start[cell + 1] becomes the start of `cell`, then is its cursor, and ends as the start of the
+     * next cell. */
     for (int cell = c->n_mirrored; cell > 0; cell--)
         c->mirror_start[cell] = c->mirror_start[cell - 1];
     for (size_t k = 0; k < count; k++)

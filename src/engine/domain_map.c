@@ -1,4 +1,4 @@
-/* A cell is mirrored by every rank, other than its owner, that owns one of the eight cells around it. */
+/* A rank mirrors a cell of another rank where it owns one of the eight cells around. */
 #include "dm2/engine/domain_map.h"
 
 int domain_map_mirrored_by(const struct domain_map *map, int cell, uint16_t out[8])

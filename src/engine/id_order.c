@@ -1,5 +1,4 @@
-/* Pairs of id and slot are sorted, because they lie together while the ids that slots refer to are scattered.
- */
+/* The sort moves pairs of id and slot, so that a comparison need not read the array of ids. */
 #include "id_order.h"
 
 #include <stdlib.h>
@@ -26,7 +25,7 @@ int32_t id_order_find(const struct id_slot *order, size_t n, uint32_t id)
     return found != NULL ? (int32_t)found->slot : -1;
 }
 
-int id_order_slots(const uint32_t *id, uint32_t *slots, size_t n)
+int id_order_sort_slots(const uint32_t *id, uint32_t *slots, size_t n)
 {
     struct id_slot *order = mem_alloc(n, sizeof *order);
     if (order == NULL)

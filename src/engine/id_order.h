@@ -12,10 +12,10 @@ struct id_slot {
 /* Sorts n entries by id, ascending. */
 void id_order_sort(struct id_slot *order, size_t n);
 
-/* The slot of an id among n entries in that order; -1 where there is none. */
+/* The slot of an id among n entries sorted by id; -1 where no entry has the id. */
 int32_t id_order_find(const struct id_slot *order, size_t n, uint32_t id);
 
 /* Sorts n slots by id[slot], ascending. 0, or -1 without memory. */
-int id_order_slots(const uint32_t *id, uint32_t *slots, size_t n);
+int id_order_sort_slots(const uint32_t *id, uint32_t *slots, size_t n);
 
 #endif

@@ -1,8 +1,9 @@
-/* A rebuild: elements move to the ranks that own their new cells, and every element here to its new slot.
+/* A rebuild: elements move to the ranks that own their new cells, and the elements of this rank to new slots.
  *
- * An element's new cell decides its new owner and who mirrors it. The old owner knows the whole partition, so
- * it sends everything in one parcel per rank: migrants with the memory of their pairs, and mirrors also of
- * those that it sends away. */
+ * The new cell of an element decides which rank owns the element and which ranks mirror it. The old owner
+ * knows the whole partition, so that it sends all ranks their parcels at once: migrants with the memory of
+ * their pairs, and mirrors, also of elements that the old owner sends away. "Stayers" are owned before and
+ * after the rebuild, "newcomers" are the migrants that came. */
 #include "dm2/engine/subdomain.h"
 
 #include <stdlib.h>
@@ -17,7 +18,7 @@
 
 /* --- sending --- */
 
-/* Adds the element to the parcels of everyone who mirrors its new cell. */
+/* Adds the element to the parcels of all ranks that mirror its new cell. 0, or -1 without memory. */
 static int add_mirrors(struct subdomain *sd, int cell, const struct element *e)
 {
     uint16_t ranks[8];
@@ -29,8 +30,9 @@ static int add_mirrors(struct subdomain *sd, int cell, const struct element *e)
     return 0;
 }
 
-/* Puts the element of owned slot i, which is in `cell` now, into the parcels of all ranks that get it. Its
- * *destination is its new owner, -1 where that is this rank. 0, or -1 without memory. */
+/* Adds the element of owned slot i, which is in `cell` now, to the parcels of its new owner and of the ranks
+ * that mirror it. *destination is the new owner, -1 where this rank keeps the element. 0, or -1 without
+ * memory. */
 static inline int sort_element(struct subdomain *sd, size_t i, int cell, int32_t *destination)
 {
     int owner = sd->map.owner[cell];
@@ -48,8 +50,8 @@ static inline int sort_element(struct subdomain *sd, size_t i, int cell, int32_t
     return failed;
 }
 
-/* Fills the arrays of all parcels; destination[n_own] is there where there are several ranks. 0, or -1
- * without memory. */
+/* Fills the arrays of all parcels; destination[n_own] is read and written only where there are several
+ * ranks. 0, or -1 without memory. */
 static int fill_parcels(struct subdomain *sd, int32_t *destination)
 {
     size_t n = sd->p.n_own;
@@ -101,7 +103,7 @@ enum dm2_status subdomain_sort_out(struct subdomain *sd, struct parcel *parcels,
 /* --- taking in --- */
 
 struct keyed {
-    uint64_t key; /* owner, id */
+    uint64_t key; /* owner in the upper 32 bits, id in the lower */
     const struct element *e;
 };
 
@@ -111,27 +113,27 @@ static int compare_keys(const void *a, const void *b)
     return ka->key < kb->key ? -1 : ka->key > kb->key;
 }
 
-/* What a rebuild takes in, and the new order of slots. */
+/* The elements that a rebuild takes in, and the new order of slots. */
 struct intake {
     const struct element **newcomers;
     struct keyed *mirrors;
     size_t n_newcomers, n_mirrors;
-    size_t n_old, n_own, n;  /* elements owned before, owned then, and all then */
-    uint32_t *from;          /* [n] old slot of a stayer, else PARTICLES_NONE */
-    uint32_t *moved;         /* [n_old] new slot of a stayer, else PARTICLES_NONE */
-    uint32_t *old_id;        /* [all slots before] */
-    uint32_t *newcomer_slot; /* [n_newcomers] */
+    size_t n_old;            /* elements owned before */
+    size_t n_own, n;         /* elements owned afterwards, and all elements afterwards */
+    uint32_t *from;          /* [n] old slot of the stayer in each new slot, else PARTICLES_NONE */
+    uint32_t *moved;         /* [n_old] new slot of the stayer in each old slot, else PARTICLES_NONE */
+    uint32_t *old_id;        /* ids of all old slots, mirrored ones too */
+    uint32_t *newcomer_slot; /* [n_newcomers] new slots */
 };
 
-/* DM2_PROTOCOL. */
 static enum dm2_status refuse_duplicate(const struct subdomain *sd, uint32_t id, struct dm2_error *err)
 {
     return dm2_fail(err, DM2_PROTOCOL, "step %lld: element %u came twice to server %d", (long long)sd->step,
                     id, sd->rank);
 }
 
-/* Fills in->from, in->moved and in->newcomer_slot: counts per own cell, then new slots, in each cell first
- * those of stayers. */
+/* Fills in->from, in->moved and in->newcomer_slot by a counting sort into own cells; in each cell stayers
+ * come first. */
 static void assign_slots(struct subdomain *sd, struct intake *in)
 {
     struct cells *c = &sd->cells;
@@ -147,8 +149,7 @@ static void assign_slots(struct subdomain *sd, struct intake *in)
         c->start[c->local_of[subdomain_cell_at(sd, newcomers[k]->r)] + 1]++;
     for (int cell = 0; cell < c->n_own; cell++)
         c->start[cell + 1] += c->start[cell];
-    /* start[cell] is used as the cursor of its cell and ends as start[cell + 1]; then all are shifted back.
-     */
+    /* start[cell] is the cursor of `cell` and ends as start[cell + 1]; then all starts are shifted back. */
     for (size_t i = 0; i < n_old; i++) {
         moved[i] = PARTICLES_NONE;
         if (sd->cell_of[i] < 0)
@@ -167,7 +168,7 @@ static void assign_slots(struct subdomain *sd, struct intake *in)
     c->start[0] = 0;
 }
 
-/* Puts the mirrors into slots from n_own on, sorted by (owner, id), and notes each rank's range. */
+/* Puts the mirrors into slots from n_own on, sorted by (owner, id), and sets the range of each rank. */
 static enum dm2_status place_mirrors(struct subdomain *sd, struct keyed *mirrors, size_t n,
                                      struct dm2_error *err)
 {
@@ -205,7 +206,8 @@ static int add_slot(struct slot_array *a, uint32_t slot)
     return 0;
 }
 
-/* Which owned elements each rank mirrors: those in own cells that it sees (the inner boundary). */
+/* Lists for each rank the slots in the own cells that it mirrors (the inner boundary), by id. 0, or -1
+ * without memory. */
 static int build_send_lists(struct subdomain *sd)
 {
     const struct cells *c = &sd->cells;
@@ -224,7 +226,7 @@ static int build_send_lists(struct subdomain *sd)
         }
     }
     for (int r = 0; r < sd->map.ranks; r++) {
-        if (id_order_slots(sd->p.id, sd->neighbours[r].send.item, sd->neighbours[r].send.n) != 0)
+        if (id_order_sort_slots(sd->p.id, sd->neighbours[r].send.item, sd->neighbours[r].send.n) != 0)
             return -1;
     }
     return 0;
@@ -235,6 +237,7 @@ static bool kinds_known(const struct model *m, const struct element *e)
     return e->kind < m->n_kinds && e->was < m->n_kinds;
 }
 
+/* Collects newcomers and mirrors from the parcels and checks their kinds and cells. */
 static enum dm2_status gather_parcels(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels,
                                       struct intake *in, struct dm2_error *err)
 {
@@ -310,6 +313,7 @@ static int move_stayers(struct subdomain *sd, struct intake *in)
     return 0;
 }
 
+/* Writes the newcomers to their slots and adds them to sd->ids. */
 static enum dm2_status place_newcomers(struct subdomain *sd, const struct intake *in, struct dm2_error *err)
 {
     for (size_t k = 0; k < in->n_newcomers; k++) {
@@ -320,6 +324,7 @@ static enum dm2_status place_newcomers(struct subdomain *sd, const struct intake
     return DM2_OK;
 }
 
+/* migrate_arrange, but for the arrays of *in that are to be freed. */
 static enum dm2_status arrange_intake(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels,
                                       bool initial, struct intake *in, struct dm2_error *err)
 {
@@ -355,7 +360,6 @@ enum dm2_status migrate_arrange(struct subdomain *sd, const struct parcel *parce
     return status;
 }
 
-/* Lists, and from where displacements count. */
 enum dm2_status migrate_build_lists(struct subdomain *sd, bool initial, struct dm2_error *err)
 {
     size_t n = subdomain_surveys_close(sd) ? sd->p.n : sd->p.n_own;
@@ -365,7 +369,7 @@ enum dm2_status migrate_build_lists(struct subdomain *sd, bool initial, struct d
     subdomain_beat(sd);
     if (n > 0)
         memcpy(anchor, sd->p.r, n * 2 * sizeof *anchor);
-    sd->binned = false;
+    sd->anchors_sorted = false;
     return lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, initial, err);
 }
 

@@ -1,5 +1,5 @@
-/* The memory of pairs through a rebuild: into the parcels of the ranks that emigrants go to, and from the old
- * lists and the parcels that came into the lists to be built. */
+/* The memory of pairs in a rebuild. The ranks that emigrants go to get the memory in their parcels; the lists
+ * to be built get the memory of the old lists and of the parcels that came. */
 #include "subdomain_parts.h"
 
 #include <stdlib.h>
@@ -20,7 +20,6 @@ static int add_pair(struct pair_array *a, const struct pair_record *pair)
     return 0;
 }
 
-/* The memory of every pair of an emigrant goes where the emigrant goes. */
 int pair_memory_send(struct subdomain *sd, const int32_t *destination)
 {
     const struct lists *l = &sd->lists;
@@ -50,17 +49,18 @@ int pair_memory_send(struct subdomain *sd, const int32_t *destination)
 
 /* --- carrying over --- */
 
-/* New slot of an element that was in old slot i: a stayer's, else that of the newcomer or mirror of its id.
- */
-static int32_t new_slot(const struct subdomain *sd, const uint32_t *moved, size_t n_old, size_t i,
-                        uint32_t id)
+/* The new slot of the element `id` that was in old slot i, -1 where it is no longer here. An element that is
+ * not a stayer can be here as a newcomer or a mirror. */
+static int32_t find_new_slot(const struct subdomain *sd, const uint32_t *moved, size_t n_old, size_t i,
+                             uint32_t id)
 {
     if (i < n_old && moved[i] != PARTICLES_NONE)
         return (int32_t)moved[i];
     return idmap_find(&sd->ids, id);
 }
 
-/* Keeps the memory of a pair if both elements are here and one is owned: counts it, or places it. */
+/* Carries the memory of the pair in new slots a and b over, if both elements are here and one is owned:
+ * counts the pair, or with `place` places its memory. */
 static void carry_pair(struct subdomain *sd, bool place, int32_t a, int32_t b, struct carried_pair pair)
 {
     if (a < 0 || b < 0)
@@ -75,7 +75,7 @@ static void carry_pair(struct subdomain *sd, bool place, int32_t a, int32_t b, s
         lists_carry_count(&sd->lists, low);
 }
 
-/* What the lists remember, in new slots. old_id[] are the ids of all old slots, mirrored ones too. */
+/* Carries over the memory of the old lists. */
 static void carry_lists(struct subdomain *sd, bool place, size_t n_old, const uint32_t *moved,
                         const uint32_t *old_id)
 {
@@ -87,21 +87,22 @@ static void carry_lists(struct subdomain *sd, bool place, size_t n_old, const ui
             size_t j = l->near.j[k];
             struct carried_pair pair = {
                 .linked = l->linked[k], .stretch = l->stretch[k], .spring = l->spring[k]};
-            carry_pair(sd, place, new_slot(sd, moved, n_old, i, old_id[i]),
-                       new_slot(sd, moved, n_old, j, old_id[j]), pair);
+            carry_pair(sd, place, find_new_slot(sd, moved, n_old, i, old_id[i]),
+                       find_new_slot(sd, moved, n_old, j, old_id[j]), pair);
         }
     }
 }
 
-/* New slot by id alone: mirrors and newcomers are in the map; stayers are looked up among `stayers`, sorted
- * by id. */
-static int32_t slot_of_id(const struct subdomain *sd, const struct id_slot *stayers, size_t n, uint32_t id)
+/* The new slot of an id, -1 where the element is not here. Mirrors and newcomers are in sd->ids, stayers in
+ * stayers[n], which is sorted by id. */
+static int32_t find_slot_of_id(const struct subdomain *sd, const struct id_slot *stayers, size_t n,
+                               uint32_t id)
 {
     int32_t slot = idmap_find(&sd->ids, id);
     return slot >= 0 ? slot : id_order_find(stayers, n, id);
 }
 
-/* The stayers by id, for carry_parcels; NULL without memory. */
+/* The *n stayers sorted by id, the caller's to free; NULL without memory. */
 static struct id_slot *sort_stayers(const uint32_t *moved, const uint32_t *old_id, size_t n_old, size_t *n)
 {
     struct id_slot *stayers = mem_alloc(n_old, sizeof *stayers);
@@ -115,7 +116,7 @@ static struct id_slot *sort_stayers(const uint32_t *moved, const uint32_t *old_i
     return stayers;
 }
 
-/* What came with the migrants. */
+/* Carries over the memory of the parcels, which came with the migrants. */
 static void carry_parcels(struct subdomain *sd, bool place, const struct parcel *parcels, size_t n_parcels,
                           const struct id_slot *stayers, size_t n)
 {
@@ -124,13 +125,14 @@ static void carry_parcels(struct subdomain *sd, bool place, const struct parcel 
             const struct pair_record *from = &parcels[q].pairs[k];
             struct carried_pair pair = {
                 .linked = from->linked != 0, .stretch = from->stretch, .spring = from->spring};
-            carry_pair(sd, place, slot_of_id(sd, stayers, n, from->id_a),
-                       slot_of_id(sd, stayers, n, from->id_b), pair);
+            carry_pair(sd, place, find_slot_of_id(sd, stayers, n, from->id_a),
+                       find_slot_of_id(sd, stayers, n, from->id_b), pair);
         }
     }
 }
 
-/* Hands all memory over to the lists to be built: once to count, once to place. 0, or -1 without memory. */
+/* Two passes, as lists.h asks for: one to count the pairs, one to place their
+ * memory. */
 int pair_memory_carry(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels, size_t n_old,
                       const uint32_t *moved, const uint32_t *old_id, bool initial)
 {

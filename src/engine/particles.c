@@ -1,7 +1,6 @@
-/* The arrays of a subdomain. One table lists them, and what of a deck's physics needs each, so that growing,
- * freeing and counting cannot forget one; needs_of is the one place that says which physics a model has. An
- * array that no physics of the deck needs is NULL: memory per element is what limits the size of a problem.
- */
+/* The table `columns` lists the arrays and the physics that needs each array, so that no function that grows,
+ * frees or counts arrays can miss an array; find_needs alone tells which physics a model has. An array that
+ * no physics of the deck needs is NULL, because memory per element limits the size of a problem. */
 #include "particles.h"
 
 #include <math.h>
@@ -11,13 +10,13 @@
 #include "dm2/base/mem.h"
 #include "dm2/base/real.h"
 
-/* What may need an array. */
+/* Physics that may need an array. */
 enum need {
     ALWAYS = 1,
-    FAR = 2,   /* potentials of scope all; or no pairs at all, so that there is one array of sums */
+    FAR = 2,   /* potentials of scope all; or no pairs at all, because one array of sums is always needed */
     NEAR = 4,  /* contacts and links */
-    HEAT = 8,  /* a temperature that changes, or may differ from T0 from the start */
-    WORK = 16, /* a body force, or elements whose motion is prescribed */
+    HEAT = 8,  /* a temperature that changes, or that may differ from T0 at the start */
+    WORK = 16, /* a body force, or elements of prescribed motion */
     PRESSURE = 32,
     KINDS = 64,
     REACTION = 128,
@@ -56,7 +55,7 @@ static const struct column columns[] = {
     COLUMN(was, 1, KINDS),
     COLUMN(share, 2, REACTION),
     COLUMN(strain, 3, STRAIN),
-    /* what only one force evaluation needs */
+    /* The last four are no part of the state: they hold the sums of one force evaluation. */
     COLUMN(far_sum, 2, FAR),
     COLUMN(pair_sum, SUM_COUNT, NEAR),
     COLUMN(virial, VIRIAL_COUNT, ALWAYS),
@@ -64,7 +63,7 @@ static const struct column columns[] = {
 };
 enum { COLUMNS = sizeof columns / sizeof columns[0], STATE_COLUMNS = COLUMNS - 4 };
 
-static unsigned needs_of(const struct model *m)
+static unsigned find_needs(const struct model *m)
 {
     const struct config *c = m->config;
     unsigned needs = ALWAYS | (m->has_near ? NEAR | HEAT : 0u) | (m->has_far || !m->has_near ? FAR : 0u) |
@@ -80,7 +79,7 @@ static unsigned needs_of(const struct model *m)
 
 void particles_start(struct particles *p, const struct model *m)
 {
-    *p = (struct particles){.groups = needs_of(m)};
+    *p = (struct particles){.groups = find_needs(m)};
 }
 
 static bool has_column(const struct particles *p, size_t c)
@@ -203,8 +202,9 @@ void particles_put(struct particles *p, const struct model *m, size_t i, const s
     particles_warm(p, m, i, 1.0 / p->mass[i]);
 }
 
-/* One column in its new order. Inlined with the common widths, so that a copy is a move and not a call. */
-static inline void gather(char *to, const char *column, const uint32_t *from, size_t n, size_t width)
+/* Writes one column in its new order. Inlined with the common widths, so that memcpy becomes a move and not a
+ * call. */
+static inline void gather_column(char *to, const char *column, const uint32_t *from, size_t n, size_t width)
 {
     for (size_t k = 0; k < n; k++) {
         if (from[k] != PARTICLES_NONE)
@@ -218,8 +218,8 @@ int particles_permute(struct particles *p, const uint32_t *from, size_t n)
         return -1;
     if (p->n == 0)
         return 0;
-    /* The sums are free between evaluations, and as wide as any column of the state: strain needs near pairs.
-     */
+    /* The sums are free between evaluations and as wide as any column of the state, because a deck with
+     * strain, the widest column, has near pairs and with them pair_sum. */
     char *scratch = (char *)(p->pair_sum != NULL ? p->pair_sum : p->far_sum);
     for (size_t c = 0; c < STATE_COLUMNS; c++) {
         if (!has_column(p, c))
@@ -227,11 +227,11 @@ int particles_permute(struct particles *p, const uint32_t *from, size_t n)
         char *column = *column_of(p, c);
         size_t width = columns[c].bytes;
         if (width == 8)
-            gather(scratch, column, from, n, 8);
+            gather_column(scratch, column, from, n, 8);
         else if (width == 16)
-            gather(scratch, column, from, n, 16);
+            gather_column(scratch, column, from, n, 16);
         else
-            gather(scratch, column, from, n, width);
+            gather_column(scratch, column, from, n, width);
         memcpy(column, scratch, n * width);
     }
     return 0;

@@ -1,5 +1,6 @@
-/* The elements of a subdomain as arrays: owned ones first, in cell order, then the mirrored ones. What the
- * pair loops read is apart from what only the integration or a rebuild reads. */
+/* The elements of a subdomain as arrays: owned elements first, in cell order, then mirrored elements. Each
+ * value has an array of its own, so that the pair loops do not read the values that only the integration or a
+ * rebuild needs. */
 #ifndef DM2_ENGINE_PARTICLES_H
 #define DM2_ENGINE_PARTICLES_H
 
@@ -15,53 +16,55 @@
 enum pair_sum {
     SUM_FX, /* force */
     SUM_FY,
-    SUM_DX, /* its damping part */
+    SUM_DX, /* damping part of the force */
     SUM_DY,
     SUM_TORQUE,
-    SUM_DTORQUE, /* its damping part */
+    SUM_DTORQUE, /* damping part of the torque */
     SUM_HEAT,    /* freed at once: slip, yield, breaking */
     SUM_DHEAT,   /* lagged damping heat and conduction */
     SUM_COUNT
 };
 
-/* What a measuring evaluation adds up of the pairs of an element: the fixed-point sum of r (x) f, and, of
- * those that touch or are linked, how many pairs, links and contacts, 16 bits each of one number: */
+/* Sums of a measuring evaluation over the pairs of an element: r (x) f in fixed point; VIRIAL_TALLY holds the
+ * numbers of pairs that touch or are linked, of links and of contacts, 16 bits each. */
 enum virial_sum { VIRIAL_XX, VIRIAL_YY, VIRIAL_XY, VIRIAL_TALLY, VIRIAL_COUNT };
 #define TALLY_PAIR    INT64_C(1)
 #define TALLY_LINK    (INT64_C(1) << 16)
 #define TALLY_CONTACT (INT64_C(1) << 32)
 
-/* and the fixed-point sum of their r (x) r, which tells the area that an element has among its neighbours. */
+/* The fixed-point sum of r (x) r of the pairs that touch or are linked, which gives the area of an element
+ * among its neighbours. */
 enum around_sum { AROUND_XX, AROUND_YY, AROUND_XY, AROUND_COUNT };
 
-/* Not every deck needs every array: particles_start decides by the model; the others stay NULL, and the
- * values that they would hold are 0 (temperature: that at which the material has no heat; soft: 1). */
+/* particles_start decides by the model which arrays a deck needs. An array that is not needed stays NULL, and
+ * stands for values of 0 (temperature: T0 of the material; soft: 1). The comments name the physics that needs
+ * an array. */
 struct particles {
-    unsigned groups; /* which arrays there are; private to particles.c */
+    unsigned groups; /* the needs that the model has: enum need of particles.c */
     size_t n_own;    /* owned: [0, n_own) */
     size_t n;        /* all: mirrored are [n_own, n) */
     size_t cap;
-    double *r; /* [n][2] position, cm */
-    double *v; /* [n][2] velocity at the half step, cm/us */
-    double *w; /* [n] angular velocity there, 1/us */
-    double *radius, *mass;
-    double *heat;        /* [n] g cm2/us2 */
-    double *temperature; /* [n] K, follows from heat; near pairs, or a material with a heat capacity */
-    double *soft;        /* [n] softening factor, follows from temperature; likewise */
-    double *p;           /* [n] pressure of the last evaluation, Mbar; damping or phases that depend on it */
-    double *work;        /* [n] g cm2/us2; a body force or prescribed motion */
-    double *share;       /* [n][2] mass fractions of the reactants; a reaction */
-    double *moved;       /* [n] energy that changes of kind took out of bonds and spin, g cm2/us2; phases or a
-                            reaction */
-    uint16_t *was;       /* [n] kind before the last move; likewise */
-    double *strain;      /* [n][3] xx, yy, xy, of owned elements; where the deck asks for it */
-    uint16_t *bonds;     /* [n] links at the start, of owned elements; near pairs */
+    double *r;             /* [n][2] position, cm */
+    double *v;             /* [n][2] velocity at the half step, cm/us */
+    double *w;             /* [n] angular velocity at the half step, 1/us */
+    double *radius, *mass; /* [n] cm, g */
+    double *heat;          /* [n] g cm2/us2 */
+    double *temperature;   /* [n] K, from heat; near pairs, a heat capacity, phases or a reaction */
+    double *soft;          /* [n] softening factor, from temperature; likewise */
+    double *p;       /* [n] pressure of the last evaluation, Mbar; damping that depends on p, or phases */
+    double *work;    /* [n] g cm2/us2; a body force or prescribed motion */
+    double *share;   /* [n][2] mass fractions of the reactants; a reaction */
+    double *moved;   /* [n] energy that changes of kind took out of bonds and spin, g cm2/us2; phases or a
+                        reaction */
+    uint16_t *was;   /* [n] kind before the last move; likewise */
+    double *strain;  /* [n][3] xx, yy, xy, of owned elements; a deck that asks for strain */
+    uint16_t *bonds; /* [n] links at the start, of owned elements; near pairs */
     uint32_t *id, *grain;
     uint16_t *kind, *body;
     uint8_t *flags, *probes;
-    int64_t *far_sum;  /* [n][2] fixed-point force of the potentials of scope all; where there are some, or no
-                          pairs */
-    int64_t *pair_sum; /* [n][SUM_COUNT] fixed-point sums of everything else; near pairs */
+    int64_t *far_sum; /* [n][2] fixed-point force of the potentials of scope all; such potentials, or no pairs
+                         at all */
+    int64_t *pair_sum; /* [n][SUM_COUNT] fixed-point sums of all other effects; near pairs */
     int64_t *virial;   /* [n][VIRIAL_COUNT] of the last measuring step */
     int64_t *around;   /* [n][AROUND_COUNT] likewise; near pairs */
 };
@@ -69,36 +72,37 @@ struct particles {
 /* An empty set for elements of this model. */
 void particles_start(struct particles *p, const struct model *m);
 
-/* Room for n elements and the slot after them, keeping the owned and mirrored ones. 0, or -1 without memory
- * (then as before). */
+/* Makes room for n elements and one slot behind them, and keeps the p->n present elements. 0, or -1 without
+ * memory; then p is unchanged. */
 int particles_reserve(struct particles *p, size_t n);
 void particles_free(struct particles *p);
-size_t particles_bytes(const struct particles *p);
+size_t particles_bytes(const struct particles *p); /* memory held */
 
-/* Bytes of pair_sum, which a rebuild may use as it likes once the state has been rearranged. */
+/* Bytes of pair_sum. A rebuild may use pair_sum as scratch memory after particles_permute. */
 size_t particles_sum_bytes(const struct particles *p);
 
-/* Element i as a record, and a record into slot i. The second sets temperature and softening from the heat.
- */
+/* Copies slot i to a record, and a record to slot i. particles_put also sets temperature and softening from
+ * the heat. */
 void particles_get(const struct particles *p, size_t i, struct element *out);
 void particles_put(struct particles *p, const struct model *m, size_t i, const struct element *in);
 
-/* Rearranges the state; the pair sums are lost: new slot k gets what slot from[k] held, for k < n; a slot
- * with from[k] = PARTICLES_NONE is left to be put. 0, or -1 without memory. The caller sets n and n_own. */
+/* Rearranges the state: new slot k < n gets the element of old slot from[k]; a slot with from[k] =
+ * PARTICLES_NONE is to be filled by particles_put. The pair sums are lost. The caller sets p->n and p->n_own.
+ * 0, or -1 without memory. */
 #define PARTICLES_NONE UINT32_MAX
 int particles_permute(struct particles *p, const uint32_t *from, size_t n);
 
-/* Heat capacity of slot i, cm2/us2/K: that of its kind, or the mean of what its reactants and product have.
- */
+/* Heat capacity of slot i, cm2/us2/K: the capacity of its kind, or in a reacting element the mean of the
+ * capacities of reactants and product by mass. */
 double particles_heat_capacity(const struct particles *p, const struct model *m, size_t i);
 
-/* What slot i has of an array that may not be there. */
+/* Temperature of slot i, K, also where there is no array of temperatures. */
 static inline double particles_temperature(const struct particles *p, const struct model *m, size_t i)
 {
     return p->temperature != NULL ? p->temperature[i] : m->kinds[p->kind[i]].t0;
 }
 
-/* How many links and contacts slot i had at the last measuring step. */
+/* Numbers of links and of contacts of slot i at the last measuring step. */
 static inline uint16_t particles_links(const struct particles *p, size_t i)
 {
     return (uint16_t)(p->virial[VIRIAL_COUNT * i + VIRIAL_TALLY] / TALLY_LINK);
@@ -120,8 +124,8 @@ static inline double particles_softening(const struct kind *kind, double tempera
     return x < 1.0 ? 1.0 - (kind->softening == 1.0 ? x : real_pow(x, kind->softening)) : 0.0;
 }
 
-/* Temperature and softening factor of slot i from its heat, where there are such; over_mass: 1/m of the slot,
- * 1/g. */
+/* Sets temperature and softening factor of slot i from its heat, where these arrays exist; over_mass: 1/m of
+ * the slot, 1/g. */
 static inline void particles_warm(struct particles *p, const struct model *m, size_t i, double over_mass)
 {
     const struct kind *kind = &m->kinds[p->kind[i]];

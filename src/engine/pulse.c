@@ -1,5 +1,5 @@
-/* A function of its own, not inlined: next to it stands work of at least a microsecond, and a test puts a
- * slow machine in its place (tests/failing/slow.c). */
+/* pulse_beat is not inlined, because each call comes between pieces of work of at least a microsecond, and
+ * because a test replaces it to emulate a slow machine (tests/failing/slow.c). */
 #include "dm2/engine/pulse.h"
 
 #include <stddef.h>

@@ -1,24 +1,25 @@
-/* dmax and surveys. All is a comparison of sums; the guess for the next step may be wrong both ways: a
- * rebuild too early costs time, a missed one costs the distributed run a second round trip. Neither changes a
- * result.
+/* All decisions are comparisons of sums. The guess for the next step may be wrong both ways: a rebuild too
+ * early costs time, a rebuild that was not expected costs a distributed run a second round trip. Neither
+ * error changes a result.
  *
- * Two bounds of what a pair can have approached come out of a survey: twice the longest displacement, the
- * better one where motion has no direction, and the diagonal of the box of all displacements, the better one
- * where bodies move as wholes. Where elements only touch, they are sorted into bins as well, and the
- * displacements in each bin are compared with those in the bins around it. After a survey bounds grow by 2
- * dmax again, so as one gets near its margin surveys become frequent; one costs about as much as integrating
- * positions, a rebuild as much as a few steps.
+ * A survey gives two bounds of the approach of a pair: twice the longest displacement, which is the lower
+ * bound where motion has no direction, and the diagonal of the box of all displacements, which is the lower
+ * bound where bodies move as wholes. Where elements only touch, a survey also sorts the elements into bins
+ * and compares the displacements in each bin with those in the bins around. After a survey the bounds grow by
+ * 2 dmax again, so that surveys become frequent as a bound gets near its margin; a survey costs about as much
+ * as the integration of positions, a rebuild as much as a few steps.
  *
- * The mirrored elements in a survey are a step behind: those that it compares can have come nearer by dmax
- * since.
- */
+ * A survey has the mirrored elements at their positions before the last step, so that a mirrored and an owned
+ * element can be nearer to each other by dmax than the survey says. */
 #include "dm2/engine/rebuild.h"
 
 #include <math.h>
 
-static const double GROWTH = 1.1; /* of dmax from one step to the next that the guess allows for */
-static const double ROUNDING =
-    1e-9; /* share of a margin left for the rounding of positions and of these sums */
+/* Growth of dmax from one step to the next that the guess allows for. */
+static const double GROWTH = 1.1;
+
+/* Share of a margin that is left for the rounding of positions and of the bounds. */
+static const double ROUNDING = 1e-9;
 
 struct spread spread_none(void)
 {
@@ -51,8 +52,8 @@ void rebuild_plan_start(struct rebuild_plan *plan, const struct config *config, 
         plan->every = 1;
 }
 
-/* After so many more steps in which the bounds grow by so much altogether. */
-static bool spent_after(const struct rebuild_plan *plan, int64_t steps, double growth)
+/* Is a rebuild due after `steps` more steps in which the bounds grow by `growth`, cm, altogether? */
+static bool is_due_after(const struct rebuild_plan *plan, int64_t steps, double growth)
 {
     return (plan->every > 0 && plan->steps + steps >= plan->every) ||
            !(plan->close + growth <= plan->margins.close * (1.0 - ROUNDING)) ||
@@ -71,7 +72,7 @@ bool rebuild_plan_step(struct rebuild_plan *plan, double dmax, const struct spre
     }
     plan->close = plan->close <= plan->approach ? plan->close : plan->approach;
     plan->steps++;
-    return spent_after(plan, 0, 0.0);
+    return is_due_after(plan, 0, 0.0);
 }
 
 void rebuild_plan_done(struct rebuild_plan *plan)
@@ -82,10 +83,10 @@ void rebuild_plan_done(struct rebuild_plan *plan)
 
 bool rebuild_plan_expected(const struct rebuild_plan *plan)
 {
-    return spent_after(plan, 1, 2.0 * GROWTH * plan->last);
+    return is_due_after(plan, 1, 2.0 * GROWTH * plan->last);
 }
 
 bool rebuild_plan_survey(const struct rebuild_plan *plan)
 {
-    return !rebuild_plan_expected(plan) && spent_after(plan, 0, 4.0 * GROWTH * plan->last);
+    return !rebuild_plan_expected(plan) && is_due_after(plan, 0, 4.0 * GROWTH * plan->last);
 }

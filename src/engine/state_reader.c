@@ -1,9 +1,9 @@
-/* Where each record of a state is. Slots are in cell order, records in the order of ids: an index of slots by
- * id, and one of the near list's entries by the lower id of the pair, a few of which are then sorted by the
- * higher one.
+/* Slots are in cell order, records in the order of ids. Slots are sorted by id; entries of the near list are
+ * sorted by counting into the order of their lower ids, then the few entries of each lower id by their higher
+ * id.
  *
- * The owner of the lower id of a pair has its row or is its partner, so that every pair is found in some row
- * here. */
+ * An owned element has a pair in its own row, or is the partner in the row of another owned element, so that
+ * the rows hold all pairs whose lower id is owned. */
 #include "state_reader.h"
 
 #include <stdlib.h>
@@ -12,8 +12,8 @@
 #include "dm2/base/mem.h"
 #include "id_order.h"
 
-/* Where one rank owns everybody, ids are 0 to n - 1 and tell the place themselves. */
-static bool place_by_id(struct state_reader *r)
+/* Where one rank owns all elements, their ids 0 .. n-1 index r->slot. False: ids are others. */
+static bool place_slots_by_id(struct state_reader *r)
 {
     for (size_t i = 0; i < r->n_elements; i++) {
         if (r->p->id[i] >= r->n_elements)
@@ -23,14 +23,14 @@ static bool place_by_id(struct state_reader *r)
     return true;
 }
 
-static int sort_by_id(struct state_reader *r)
+static int sort_slots_by_id(struct state_reader *r)
 {
     for (size_t i = 0; i < r->n_elements; i++)
         r->slot[i] = (uint32_t)i;
-    return id_order_slots(r->p->id, r->slot, r->n_elements);
+    return id_order_sort_slots(r->p->id, r->slot, r->n_elements);
 }
 
-/* Is this entry a record here? Then *low is the slot of the lower id, which is owned. */
+/* Has entry k of row i memory and an owned lower id? *low is the slot of the lower id. */
 static bool is_record(const struct state_reader *r, uint32_t i, uint32_t k, uint32_t *low)
 {
     const struct particles *p = r->p;
@@ -46,8 +46,8 @@ static uint32_t higher_id(const struct state_reader *r, struct reader_pair pair)
     return a < b ? b : a;
 }
 
-/* Those of one element, by the other's id: a handful. */
-static void sort_row(const struct state_reader *r, struct reader_pair *pair, size_t n)
+/* Sorts the n pairs of one lower id, a handful, by their higher id. */
+static void sort_by_higher_id(const struct state_reader *r, struct reader_pair *pair, size_t n)
 {
     for (size_t k = 1; k < n; k++) {
         struct reader_pair moving = pair[k];
@@ -58,8 +58,8 @@ static void sort_row(const struct state_reader *r, struct reader_pair *pair, siz
     }
 }
 
-/* start[s] counts the records whose lower id is in slot s; then it is the cursor of that slot's records,
- * which lie in the order of ids, and ends where they do. */
+/* Fills r->pair. start[n_elements]: start[s] first counts the records whose lower id is in slot s, then is
+ * the cursor of these records, and ends as the end of these records. */
 static enum dm2_status index_pairs(struct state_reader *r, uint32_t *start)
 {
     const uint32_t *row = r->lists->near.start;
@@ -83,7 +83,7 @@ static enum dm2_status index_pairs(struct state_reader *r, uint32_t *start)
             if (is_record(r, i, k, &low))
                 r->pair[start[low]++] = (struct reader_pair){i, k};
     for (size_t k = 0, first = 0; k < r->n_elements; k++) {
-        sort_row(r, r->pair + first, start[r->slot[k]] - first);
+        sort_by_higher_id(r, r->pair + first, start[r->slot[k]] - first);
         first = start[r->slot[k]];
     }
     r->n_pairs = pairs;
@@ -97,7 +97,7 @@ enum dm2_status state_reader_open(struct state_reader *r, const struct particles
     uint32_t *start = mem_alloc(p->n_own, sizeof *start);
     r->slot = mem_alloc(p->n_own, sizeof *r->slot);
     enum dm2_status status = start == NULL || r->slot == NULL ? DM2_MEMORY : DM2_OK;
-    if (status == DM2_OK && !place_by_id(r) && sort_by_id(r) != 0)
+    if (status == DM2_OK && !place_slots_by_id(r) && sort_slots_by_id(r) != 0)
         status = DM2_MEMORY;
     if (status == DM2_OK && pairs)
         status = index_pairs(r, start);

@@ -1,14 +1,6 @@
-/* One subdomain: who is in it, and the order of things in a time step. The parts are in their own files:
- * cells.c, lists.c, force.c, leapfrog.c.
- *
- * Invariants between calls: owned elements are slots [0, n_own) in cell order; mirrored ones follow, sorted
- * by (owner, id), so that each rank's mirrors are one range in the order in which that rank sends their
- * updates: its send lists are sorted by id. Both sides derive these orders from the elements alone; no ids
- * travel in an update.
- *
- * At a rebuild an element's new cell decides its new owner and who mirrors it. The old owner knows the whole
- * partition, so it sends everything in one parcel per rank: migrants with the memory of their pairs, and
- * mirrors also of those that it sends away. */
+/* One subdomain: its creation, the order of the phases of a time step, its states. The phases themselves are
+ * in lists.c, force.c, reaction.c, phase.c, strain.c and leapfrog.c, the exchange in survey.c, update.c and
+ * migrate.c. */
 #include "dm2/engine/subdomain.h"
 
 #include <stdlib.h>
@@ -25,6 +17,7 @@ enum dm2_status subdomain_no_memory(const struct subdomain *sd, struct dm2_error
     return dm2_fail(err, DM2_MEMORY, "no memory for a subdomain of %zu elements", sd->p.n);
 }
 
+/* Makes room for n elements. 0, or -1 without memory. */
 static int reserve_elements(struct element_array *a, size_t n)
 {
     struct element *grown = mem_grown(a->item, &a->cap, a->n, n, sizeof *grown);
@@ -36,6 +29,7 @@ static int reserve_elements(struct element_array *a, size_t n)
 
 /* --- creation --- */
 
+/* A subdomain without elements. *out is to be freed by subdomain_free after an error, too. DM2_MEMORY. */
 static enum dm2_status open_subdomain(const struct model *model, const struct domain_map *map, int rank,
                                       int64_t step, struct subdomain **out, struct dm2_error *err)
 {
@@ -54,7 +48,7 @@ static enum dm2_status open_subdomain(const struct model *model, const struct do
     return cells_build(&sd->cells, map, rank, err);
 }
 
-/* Sorts elements into what is owned and what is mirrored here. */
+/* The elements that a new subdomain owns, and those that it mirrors. */
 struct chooser {
     struct subdomain *sd;
     struct element_array own, mirrors;
@@ -71,8 +65,8 @@ static enum dm2_status choose_element(void *context, const struct element *e, st
     return DM2_OK;
 }
 
-/* The whole set-up, with nothing old. The records are freed as soon as the elements are in their slots: lists
- * need the room. */
+/* Puts the elements of *chosen into a new subdomain and builds its lists. The records are freed as soon as
+ * the elements are in their slots, because the lists need the room. */
 static enum dm2_status place_chosen(struct subdomain *sd, struct chooser *chosen,
                                     const struct pair_record *pairs, size_t n_pairs, bool initial,
                                     struct dm2_error *err)
@@ -87,11 +81,11 @@ static enum dm2_status place_chosen(struct subdomain *sd, struct chooser *chosen
     free(chosen->own.item);
     free(chosen->mirrors.item);
     chosen->own.item = chosen->mirrors.item = NULL;
-    idmap_free(&sd->ids); /* large enough for everybody, who will not all be newcomers again */
+    idmap_free(&sd->ids); /* large enough for all elements; a rebuild has few newcomers */
     return status == DM2_OK ? migrate_build_lists(sd, initial, err) : status;
 }
 
-/* How many links each owned element starts with. */
+/* Counts the links that each owned element starts with. */
 static void count_bonds(struct subdomain *sd)
 {
     const struct lists *l = &sd->lists;
@@ -138,7 +132,7 @@ enum dm2_status subdomain_restore(const struct model *model, const struct domain
         status = subdomain_no_memory(*out, err);
     for (size_t k = 0; k < n_elements && status == DM2_OK; k++)
         status = choose_element(&chosen, &elements[k], err);
-    /* The pairs' elements are all newcomers or mirrors, so every id is in the map. */
+    /* All elements are newcomers or mirrors, so that sd->ids holds the id of every element of a pair. */
     if (status == DM2_OK)
         status = place_chosen(*out, &chosen, pairs, n_pairs, false, err);
     free(chosen.own.item);
@@ -174,7 +168,7 @@ void subdomain_free(struct subdomain *sd)
     free(sd->old_id.item);
     free(sd->anchors.item);
     free(sd->spreads.item);
-    bins_free(&sd->near_by);
+    bins_free(&sd->anchor_bins);
     free(sd);
 }
 
@@ -198,7 +192,7 @@ size_t subdomain_bytes(const struct subdomain *sd)
     size_t bytes =
         sizeof *sd + particles_bytes(&sd->p) + lists_bytes(&sd->lists) + cells_bytes(&sd->cells, &sd->map) +
         sd->cell_cap * sizeof *sd->cell_of + sd->ids.slots * 8 + sd->from.cap + sd->moved.cap +
-        sd->old_id.cap + sd->anchors.cap + sd->spreads.cap + bins_bytes(&sd->near_by) +
+        sd->old_id.cap + sd->anchors.cap + sd->spreads.cap + bins_bytes(&sd->anchor_bins) +
         sd->strain.cap * STRAIN_SUMS * sizeof *sd->strain.sum + sd->reacted.cap * sizeof *sd->reacted.item;
     for (int r = 0; r < sd->map.ranks; r++)
         bytes += sd->neighbours[r].send.cap * sizeof(uint32_t) +

@@ -71,12 +71,12 @@ struct subdomain {
     struct neighbour *neighbours;     /* [ranks] */
     struct idmap ids;                 /* slots of mirrored elements and newcomers, for the memory of pairs */
     struct block from, moved, old_id; /* struct intake (migrate.c) */
-    struct block anchors; /* [][2] positions at the last rebuild, cm; of mirrored elements too where
-                             subdomain_surveys_close */
-    struct block spreads; /* of a survey's bins, where the pair sums have no room for them */
-    struct bins near_by;  /* the anchors, for surveys; edges longer than R_c + dR */
-    bool binned;          /* near_by has been sorted since the last rebuild */
-    int32_t *cell_of;     /* global cell of each owned slot at the last subdomain_sort_out; -1: emigrated */
+    struct block anchors;    /* [][2] positions at the last rebuild, cm; of mirrored elements too where
+                                subdomain_surveys_close */
+    struct block spreads;    /* of a survey's bins, where the pair sums have no room for them */
+    struct bins anchor_bins; /* the anchors, for surveys; edges longer than R_c + dR */
+    bool anchors_sorted;     /* into anchor_bins, since the last rebuild */
+    int32_t *cell_of; /* global cell of each owned slot at the last subdomain_sort_out; -1: emigrated */
     size_t cell_cap;
     size_t n_leaving; /* emigrants of the last subdomain_sort_out, still in their slots until
                          subdomain_take_in */
@@ -102,7 +102,7 @@ static inline void *block_hold(struct block *b, size_t count, size_t size)
     return grown;
 }
 
-/* 0, or -1 without memory. */
+/* Appends *e. 0, or -1 without memory. */
 static inline int element_array_add(struct element_array *a, const struct element *e)
 {
     struct element *grown = mem_grown(a->item, &a->cap, a->n, a->n + 1, sizeof *grown);
@@ -125,8 +125,8 @@ static inline int subdomain_cell_at(const struct subdomain *sd, const double r[2
     return grid_cell(sd->map.grid, r[0], r[1]);
 }
 
-/* Do surveys compare elements close to each other? Where far pairs interact they do not, because any two
- * elements then have the same margin. */
+/* Do surveys compare elements close to each other? Not where far pairs interact, because any two elements
+ * then have the same margin. */
 static inline bool subdomain_surveys_close(const struct subdomain *sd)
 {
     return !sd->model->has_far;
@@ -140,8 +140,8 @@ static inline bool subdomain_surveys_close(const struct subdomain *sd)
 enum dm2_status migrate_arrange(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels,
                                 bool initial, struct dm2_error *err);
 
-/* Then builds the lists, and keeps the positions from which surveys count displacements. With `initial` as
- * lists_build, and its errors. */
+/* After migrate_arrange: keeps the positions from which surveys count displacements, and builds the lists.
+ * `initial` and errors as of lists_build. */
 enum dm2_status migrate_build_lists(struct subdomain *sd, bool initial, struct dm2_error *err);
 
 /* --- pair_memory.c --- */

@@ -1,5 +1,5 @@
-/* The survey of displacements since the last rebuild, from which struct rebuild_plan takes its bounds. Where
- * elements only touch, the displacements in each bin are compared with those in the bins around it. */
+/* The survey of the displacements since the last rebuild, from which struct rebuild_plan takes its bounds.
+ * Where elements only touch, the displacements in each bin are compared with those in the bins around. */
 #include "dm2/engine/subdomain.h"
 
 #include <math.h>
@@ -9,7 +9,7 @@
 #include "periodic.h"
 #include "subdomain_parts.h"
 
-/* Displacements of slots first .. last-1, or of those that `slots` names there. */
+/* The spread of the slots s in [first, last), or of slots[s] where `slots` is not NULL. */
 static inline struct spread survey_slots(const struct subdomain *sd, const uint32_t *slots, size_t first,
                                          size_t last)
 {
@@ -36,35 +36,35 @@ static inline struct spread survey_slots(const struct subdomain *sd, const uint3
     return out;
 }
 
-/* Sorts the anchors into bins, once after each rebuild: edges longer than R_c + dR, and twice that again and
- * again where there would be more bins than elements. False where that cannot be. */
+/* Sorts the anchors into bins, once after each rebuild. Edges are longer than R_c + dR, doubled while there
+ * would be more bins than elements and 1024. False where no such bins exist, or without memory. */
 static bool sort_anchors(struct subdomain *sd)
 {
     const struct config *c = sd->model->config;
     double reach = c->r_c + c->delta_r, most = (double)sd->p.n + 1024.0;
-    for (int k = 0; k < 16 && !sd->binned; k++, reach *= 2.0) {
-        if (!bins_lay_out(&sd->near_by, &sd->model->grid, sd->anchors.item, sd->p.n, reach, most))
+    for (int k = 0; k < 16 && !sd->anchors_sorted; k++, reach *= 2.0) {
+        if (!bins_lay_out(&sd->anchor_bins, &sd->model->grid, sd->anchors.item, sd->p.n, reach, most))
             continue;
-        if (bins_assign(&sd->near_by, sd->anchors.item, sd->p.n) != 0)
+        if (bins_assign(&sd->anchor_bins, sd->anchors.item, sd->p.n) != 0)
             return false;
-        sd->binned = true;
+        sd->anchors_sorted = true;
     }
-    return sd->binned;
+    return sd->anchors_sorted;
 }
 
-/* Room for the spread of each bin: that of the pair sums, which mean nothing between a move and the next
- * forces. NULL without memory. */
-static struct spread *room_for_spreads(struct subdomain *sd)
+/* Room for the spread of each bin: the pair sums, which hold no values between a move and the next forces, or
+ * sd->spreads where the pair sums are too small. NULL without memory. */
+static struct spread *hold_spreads(struct subdomain *sd)
 {
-    size_t bins = (size_t)sd->near_by.grid.cx * (size_t)sd->near_by.grid.cy;
+    size_t bins = (size_t)sd->anchor_bins.grid.cx * (size_t)sd->anchor_bins.grid.cy;
     return bins <= particles_sum_bytes(&sd->p) / sizeof(struct spread)
                ? (struct spread *)(void *)sd->p.pair_sum
                : block_hold(&sd->spreads, bins, sizeof(struct spread));
 }
 
-/* How much those of bin (i, j) can have approached each other, and those in the bins around it that have not
- * been compared with it yet: east of it, and in the row above. */
-static double close_to_bin(const struct grid *g, const struct spread *of, int i, int j)
+/* Upper bound of the approach, cm, of two elements in bin (i, j), and of an element in bin (i, j) and an
+ * element in a later bin around: in the next bin of the row, or in the row above. */
+static double bound_approach(const struct grid *g, const struct spread *of, int i, int j)
 {
     static const int later[4][2] = {{1, 0}, {-1, 1}, {0, 1}, {1, 1}};
     const struct spread *here = &of[j * g->cx + i];
@@ -83,10 +83,11 @@ static double close_to_bin(const struct grid *g, const struct spread *of, int i,
     return close;
 }
 
-/* Bin by bin, and then what each has against those around it. Owned slots come first in a bin. */
+/* Takes the spread of each bin to of[bins], and then compares each bin with the bins around. In a bin owned
+ * slots come first, because slots ascend. */
 static struct spread survey_bins(const struct subdomain *sd, struct spread *of)
 {
-    const struct bins *b = &sd->near_by;
+    const struct bins *b = &sd->anchor_bins;
     const struct grid *g = &b->grid;
     struct spread out = spread_none();
     for (int k = 0; k < g->cx * g->cy; k++) {
@@ -103,7 +104,7 @@ static struct spread survey_bins(const struct subdomain *sd, struct spread *of)
     for (int j = 0; j < g->cy; j++) {
         for (int i = 0; i < g->cx; i++) {
             double close =
-                b->start[j * g->cx + i + 1] > b->start[j * g->cx + i] ? close_to_bin(g, of, i, j) : 0.0;
+                b->start[j * g->cx + i + 1] > b->start[j * g->cx + i] ? bound_approach(g, of, i, j) : 0.0;
             out.close = close > out.close ? close : out.close;
         }
     }
@@ -113,7 +114,7 @@ static struct spread survey_bins(const struct subdomain *sd, struct spread *of)
 void subdomain_survey(struct subdomain *sd, struct spread *out)
 {
     double started = clock_now();
-    struct spread *of = subdomain_surveys_close(sd) && sort_anchors(sd) ? room_for_spreads(sd) : NULL;
+    struct spread *of = subdomain_surveys_close(sd) && sort_anchors(sd) ? hold_spreads(sd) : NULL;
     if (of != NULL) {
         *out = survey_bins(sd, of);
     } else {

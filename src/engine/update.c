@@ -1,5 +1,5 @@
-/* The update between two rebuilds: what of each mirrored element changes in a step, as one row of doubles per
- * element. */
+/* The update between two rebuilds: one row of doubles per mirrored element, with the fields that change in a
+ * step. */
 #include "dm2/engine/subdomain.h"
 
 #include <math.h>
@@ -9,7 +9,7 @@
 #include "phase.h"
 #include "subdomain_parts.h"
 
-/* Velocities of mirrored elements matter where pairs damp and where strain is measured. */
+/* Are the velocities of mirrored elements read? Damping of pairs and the measurement of strain read them. */
 static bool needs_velocity(const struct model *m)
 {
     return m->has_damping || m->has_strain;
@@ -64,7 +64,8 @@ void subdomain_pack_update(const struct subdomain *sd, int dest, double *out)
     }
 }
 
-/* Kind and the kind before, as one number of an update. False: there are none such. */
+/* Sets kind and previous kind of slot i from their one number in an update. False: the deck has no such
+ * kinds. */
 static bool take_kind(const struct model *m, struct particles *p, size_t i, double packed)
 {
     double was = floor(packed / 65536.0), kind = packed - 65536.0 * was, most = (double)m->n_kinds;
@@ -74,8 +75,8 @@ static bool take_kind(const struct model *m, struct particles *p, size_t i, doub
     return true;
 }
 
-/* No element moves further than a cell edge in a step (leapfrog_move); twice that leaves room for rounding.
- */
+/* Is an element within two cell edges of its position before? No element moves further than one cell edge in
+ * a step (leapfrog_move); the second leaves room for rounding. */
 static bool is_near(const struct grid *g, const struct period *period, const double now[2],
                     const double before[2])
 {
@@ -85,7 +86,7 @@ static bool is_near(const struct grid *g, const struct period *period, const dou
     return d[0] * d[0] + d[1] * d[1] <= 4.0 * edge * edge;
 }
 
-/* What cannot be said of the mirror in slot i; it was where p->r still has it. */
+/* Fails because of `what` in the update of the mirror in slot i, before its position changes. */
 static enum dm2_status refuse_update(const struct subdomain *sd, size_t i, int src, const char *what,
                                      enum dm2_status status, struct dm2_error *err)
 {

@@ -6,15 +6,16 @@
 
 #include "dm2/base/grid.h"
 
-/* The owner of each cell. Everything is borrowed for the life of the subdomains made with the map. */
+/* The owner of each cell. The grid and the array are borrowed for the life of the subdomains made with the
+ * map. */
 struct domain_map {
     const struct grid *grid;
     int ranks;
     const uint16_t *owner; /* [global cell] a rank */
 };
 
-/* The ranks other than the owner that mirror a global cell: those that own a cell around it. Writes up to 8
- * to out, returns how many. */
+/* The ranks other than its owner that mirror a global cell, because they own a cell around it. Writes the
+ * ranks to out and returns their number, at most 8. */
 int domain_map_mirrored_by(const struct domain_map *map, int cell, uint16_t out[8]);
 
 #endif

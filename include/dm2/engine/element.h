@@ -1,5 +1,5 @@
-/* One element and one pair as records: how they travel, are stored and are generated. The engine itself
- * keeps arrays (engine/particles.h); these are what comes in and goes out. */
+/* One element and one pair as records, the form in which elements and pairs are generated, sent and stored.
+ * The engine itself keeps arrays (src/engine/particles.h). */
 #ifndef DM2_ENGINE_ELEMENT_H
 #define DM2_ENGINE_ELEMENT_H
 
@@ -7,35 +7,34 @@
 #include <stdint.h>
 
 enum element_flag {
-    ELEMENT_FIXED_MOTION = 1 /* its velocity is prescribed; forces do not move it */
+    ELEMENT_FIXED_MOTION = 1 /* the element's velocity is prescribed; forces do not move the element */
 };
 
-/* The state of one element: all that the next step reads of it. */
+/* The state of one element: every value that the next step reads. */
 struct element {
     uint32_t id;    /* global, from 0, in the generator's order */
-    uint32_t grain; /* global */
+    uint32_t grain; /* global number */
     uint16_t body;
     uint16_t kind;   /* index of its (material, phase) in the model */
     uint16_t was;    /* kind before the last move; differs only until the next force evaluation */
     uint8_t flags;   /* enum element_flag */
-    uint8_t probes;  /* bit p: it belongs to probe p */
+    uint8_t probes;  /* bit p: the element belongs to probe p */
     double radius;   /* cm */
     double mass;     /* g */
     double r[2];     /* position at the whole step, cm */
     double v[2];     /* velocity at the half step before, cm/us */
-    double w;        /* angular velocity there, 1/us */
-    double heat;     /* thermal energy above its material's T0, g cm2/us2 */
+    double w;        /* angular velocity at the half step before, 1/us */
+    double heat;     /* thermal energy above the material's T0, g cm2/us2 */
     double p;        /* pressure of the last force evaluation, Mbar */
-    double share[2]; /* mass fractions of the reaction's reactants; the rest is product; 0 where nothing
-                        reacts */
-    /* What only its owner knows; of a mirrored element it is 0. */
-    double work;      /* put in so far by the body force or by its drive, g cm2/us2 */
-    double strain[3]; /* xx, yy, xy, accumulated since the start where the deck asks for it; else 0 */
-    double moved;     /* energy that changes of kind took out of its bonds and spin so far, g cm2/us2 */
-    uint16_t bonds;   /* links that it started with */
+    double share[2]; /* mass fractions of the reactants; the rest is product; 0 without a reaction */
+    /* Only the owner has the following values; of a mirrored element they are 0. */
+    double work;      /* work of the body force or the prescribed motion since the start, g cm2/us2 */
+    double strain[3]; /* xx, yy, xy, accumulated since the start; 0 in a deck that asks for no strain */
+    double moved;     /* energy that changes of kind took out of bonds and spin since the start, g cm2/us2 */
+    uint16_t bonds;   /* links at the start */
 };
 
-/* The memory of one pair that is linked or in contact. Key: id_a < id_b. */
+/* The memory of one pair that is linked or in contact; id_a < id_b. */
 struct pair_record {
     uint32_t id_a, id_b;
     uint32_t linked; /* 0 or 1 */
@@ -43,17 +42,17 @@ struct pair_record {
     double spring;   /* tangential spring s, cm */
 };
 
-/* What was measured of one element at the last force evaluation that measured. */
+/* The measures of one element at the last force evaluation that measured. */
 struct element_measure {
     double stress[3];   /* xx, yy, xy, Mbar; tension positive */
-    double velocity[2]; /* mean of the two half steps */
+    double velocity[2]; /* mean of the two half steps, cm/us */
     double temperature; /* K */
     uint32_t links;     /* linked pairs */
-    uint32_t contacts;
+    uint32_t contacts;  /* pairs in contact */
 };
 
-/* A whole state, or a part of one, for a reader; everything borrowed. Elements in id order, pairs in (id_a,
- * id_b) order. Where `elements` is NULL, the two functions give the records. */
+/* A whole state, or a part of a state, for a reader; all pointers are borrowed. Elements are in id order,
+ * pairs in (id_a, id_b) order. Where `elements` is NULL, the two functions give record k. */
 struct state_view {
     const uint8_t *digest; /* of the deck, 32 bytes */
     int64_t step;
@@ -66,7 +65,7 @@ struct state_view {
     void (*pair)(const void *records, size_t k, struct pair_record *out);
 };
 
-/* The index of the element with this id among n elements in id order; n where there is none. */
+/* The index of the element with this id among n elements in id order; n where no element has the id. */
 size_t element_find(const struct element *elements, size_t n, uint32_t id);
 
 #endif
