@@ -172,25 +172,23 @@ DM2_INLINE bool law_pulls_too_hard(const struct pair_law *law, const struct bond
     return force < -cap || (x > b->peak && law_yield_length(law, b->r0, cap, true) < INFINITY);
 }
 
-/* The whole law: updates the pair's memory and fills *out.
- * dt_kick: the time over which this evaluation's forces act (dt, or dt/2 in step 0); dt_path: the time since
- * the positions of the last evaluation (dt, or 0 in step 0), us. Depth h = 1 cm. */
-DM2_INLINE void pair_interact(const struct pair_law *law, const struct pair_view *p, double dt_kick,
-                              double dt_path, struct pair_state *s, struct pair_effect *out)
-{
-    double r = p->r, r0 = p->radius_i + p->radius_j, energy = 0.0;
-    const struct bond bond = r0 == law->bond.r0 ? law->bond : law_bond(law, r0);
-    *out = (struct pair_effect){.contacting = r <= r0};
+/* --- the parts of the law --- */
 
-    /* Status (paper, section 4): contact is where they are; a link has memory. */
+/* Status (paper, section 4): a contact follows from the positions, a link has memory. Breaking and the end of
+ * a contact free the energy of the bond and of its spring. False: the pair is neither linked nor in contact.
+ */
+DM2_INLINE bool law_status(const struct pair_law *law, const struct bond *bond, double r,
+                           struct pair_state *s, struct pair_effect *out)
+{
     if (s->linked) {
-        if (r > bond.breaks) {
+        if (r > bond->breaks) {
+            double energy = 0.0;
             if (law->scope == SCOPE_LINKED)
-                (void)bond_force(law, &bond, r - s->stretch, &energy);
+                (void)bond_force(law, bond, r - s->stretch, &energy);
             out->heat += energy + 0.5 * law->kt_link * (s->spring * s->spring);
             *s = (struct pair_state){.linked = false};
         }
-    } else if (r <= bond.forms) {
+    } else if (r <= bond->forms) {
         if (law->kt_link != law->kt_contact) {
             out->heat += 0.5 * law->kt_contact * (s->spring * s->spring);
             s->spring = 0.0;
@@ -198,82 +196,109 @@ DM2_INLINE void pair_interact(const struct pair_law *law, const struct pair_view
         s->linked = true;
         s->stretch = 0.0;
     }
-    if (!s->linked && !out->contacting) {
-        out->heat += 0.5 * law->kt_contact * (s->spring * s->spring);
-        s->spring = 0.0;
-        return;
-    }
+    if (s->linked || out->contacting)
+        return true;
+    out->heat += 0.5 * law->kt_contact * (s->spring * s->spring);
+    s->spring = 0.0;
+    return false;
+}
 
-    /* Central force with tension yield. */
-    double f = 0.0;
-    if (law->scope == SCOPE_LINKED) {
-        double x = r - s->stretch;
-        f = bond_force(law, &bond, x, &energy);
-        double cap = law_lesser(law->tensile_i * p->soft_i, law->tensile_j * p->soft_j) * bond.area;
-        if (s->linked && cap < INFINITY) {
-            double before = s->stretch;
-            if (law_pulls_too_hard(law, &bond, x, f, cap)) {
-                double at = law_yield_length(law, r0, cap, true);
-                if (at < INFINITY)
-                    s->stretch = r - at;
-            } else if (s->stretch > 0.0 && f > cap) {
-                double at = law_yield_length(law, r0, cap, false);
-                s->stretch = r > at ? r - at : 0.0;
-            }
-            if (s->stretch != before) {
-                out->heat += cap * fabs(s->stretch - before);
-                f = bond_force(law, &bond, r - s->stretch, &energy);
-            }
+/* The central force f of the bond, with yield in tension, and its energy. */
+DM2_INLINE double law_central(const struct pair_law *law, const struct bond *bond, const struct pair_view *p,
+                              struct pair_state *s, struct pair_effect *out)
+{
+    if (law->scope != SCOPE_LINKED)
+        return 0.0;
+    double r = p->r, x = r - s->stretch, energy, f = bond_force(law, bond, x, &energy);
+    double cap = law_lesser(law->tensile_i * p->soft_i, law->tensile_j * p->soft_j) * bond->area;
+    if (s->linked && cap < INFINITY) {
+        double before = s->stretch;
+        if (law_pulls_too_hard(law, bond, x, f, cap)) {
+            double at = law_yield_length(law, bond->r0, cap, true);
+            if (at < INFINITY)
+                s->stretch = r - at;
+        } else if (s->stretch > 0.0 && f > cap) {
+            double at = law_yield_length(law, bond->r0, cap, false);
+            s->stretch = r > at ? r - at : 0.0;
         }
-        out->potential = energy;
+        if (s->stretch != before) {
+            out->heat += cap * fabs(s->stretch - before);
+            f = bond_force(law, bond, r - s->stretch, &energy);
+        }
     }
+    out->potential = energy;
+    return f;
+}
 
-    /* Central damping; an unlinked contact never pulls. */
+/* Central damping: fn = f + fdn; an unlinked contact never pulls. Returns c_t, Mbar us cm. */
+DM2_INLINE double law_damping(const struct pair_law *law, const struct pair_view *p, bool linked, double f,
+                              struct pair_effect *out)
+{
     double scale =
         1.0 + law->a_p * (0.5 * (p->p_i + p->p_j)) + law->a_t * (0.5 * (p->t_i + p->t_j) - law->t0_mean);
-    double root = 1.0, cn = law->cn_mass, ct = law->ct_mass;
+    double cn = law->cn_mass, ct = law->ct_mass;
     if (cn < 0.0) {
-        root = sqrt((p->mass_i * p->mass_j) / (p->mass_i + p->mass_j));
+        double root = sqrt((p->mass_i * p->mass_j) / (p->mass_i + p->mass_j));
         cn = law->cn * root;
         ct = law->ct * root;
     }
     cn *= scale > 0.0 ? scale : 0.0;
     double fdn = -cn * p->vn;
-    if (!s->linked && f + fdn < 0.0)
+    if (!linked && f + fdn < 0.0)
         fdn = -f;
     out->fn = f + fdn;
     out->fdn = fdn;
+    return ct;
+}
 
-    /* Tangential: a spring, elastic-perfectly-plastic in a link and with Coulomb's cap in a contact;
-     * viscosity. */
-    if (law->tangential) {
-        double share = r * bond.over_r0;
-        out->arm_i = share * p->radius_i;
-        out->arm_j = share * p->radius_j;
-        double vt = p->vt - (p->w_i * out->arm_i + p->w_j * out->arm_j);
-        double kt = s->linked ? law->kt_link : law->kt_contact;
-        /* A link holds Y A: the lattice's resistance to shear is then Y/2 along its rows and Y/sqrt(3) midway
-         * between them (docs/physics.md, section 6), the shear strengths of Tresca and von Mises. */
-        double cap = s->linked ? law_lesser(law->yield_i * p->soft_i, law->yield_j * p->soft_j) * bond.area
-                               : law->mu * out->fn;
-        double spring = s->spring + vt * dt_path;
-        if (kt * fabs(spring) > cap) {
-            double held = copysign(cap / kt, spring);
-            out->heat += kt * (0.5 * (s->spring + held)) * (spring - held);
-            spring = held;
-        }
-        s->spring = spring;
-        double fdt = -ct * vt, fs = -kt * spring;
-        if (!s->linked && fabs(fs + fdt) > cap)
-            fdt = copysign(cap, fs + fdt) - fs;
-        out->ft = fs + fdt;
-        out->fdt = fdt;
-        out->elastic = 0.5 * kt * (spring * spring);
-        out->heat_damped -= fdt * vt * dt_kick;
+/* Tangential: a spring, elastic-perfectly-plastic in a link and with Coulomb's cap in a contact; viscosity.
+ * A link holds Y A: the lattice's resistance to shear is then Y/2 along its rows and Y/sqrt(3) midway between
+ * them (docs/physics.md, section 6), the shear strengths of Tresca and von Mises. */
+DM2_INLINE void law_tangential(const struct pair_law *law, const struct bond *bond, const struct pair_view *p,
+                               double ct, double dt_kick, double dt_path, struct pair_state *s,
+                               struct pair_effect *out)
+{
+    double share = p->r * bond->over_r0;
+    out->arm_i = share * p->radius_i;
+    out->arm_j = share * p->radius_j;
+    double vt = p->vt - (p->w_i * out->arm_i + p->w_j * out->arm_j);
+    double kt = s->linked ? law->kt_link : law->kt_contact;
+    double cap = s->linked ? law_lesser(law->yield_i * p->soft_i, law->yield_j * p->soft_j) * bond->area
+                           : law->mu * out->fn;
+    double spring = s->spring + vt * dt_path;
+    if (kt * fabs(spring) > cap) {
+        double held = copysign(cap / kt, spring);
+        out->heat += kt * (0.5 * (s->spring + held)) * (spring - held);
+        spring = held;
     }
-    out->heat_damped -= fdn * p->vn * dt_kick;
+    s->spring = spring;
+    double fdt = -ct * vt, fs = -kt * spring;
+    if (!s->linked && fabs(fs + fdt) > cap)
+        fdt = copysign(cap, fs + fdt) - fs;
+    out->ft = fs + fdt;
+    out->fdt = fdt;
+    out->elastic = 0.5 * kt * (spring * spring);
+    out->heat_damped -= fdt * vt * dt_kick;
+}
 
-    /* Fourier: Q = kappa (A/r)(T_j - T_i) dt. */
+/* The whole law: updates the pair's memory and fills *out.
+ * dt_kick: the time over which this evaluation's forces act (dt, or dt/2 in step 0); dt_path: the time since
+ * the positions of the last evaluation (dt, or 0 in step 0), us. Depth h = 1 cm. Conduction is Fourier's:
+ * Q = kappa (A/r)(T_j - T_i) dt. */
+DM2_INLINE void pair_interact(const struct pair_law *law, const struct pair_view *p, double dt_kick,
+                              double dt_path, struct pair_state *s, struct pair_effect *out)
+{
+    double r0 = p->radius_i + p->radius_j;
+    const struct bond bond = r0 == law->bond.r0 ? law->bond : law_bond(law, r0);
+    *out = (struct pair_effect){.contacting = p->r <= r0};
+    if (!law_status(law, &bond, p->r, s, out))
+        return;
+    double f = law_central(law, &bond, p, s, out);
+    double ct = law_damping(law, p, s->linked, f, out);
+    if (law->tangential)
+        law_tangential(law, &bond, p, ct, dt_kick, dt_path, s, out);
+    out->heat_damped -=
+        out->fdn * p->vn * dt_kick; /* after the tangential part: the bits depend on the order */
     out->exchange = law->conduction * (bond.area * p->over_r) * (p->t_j - p->t_i) * dt_kick;
 }
 

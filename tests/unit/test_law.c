@@ -133,64 +133,81 @@ static struct pair_view swap_view(struct pair_view v)
     return v;
 }
 
+/* A law that yields, damps by pressure and temperature, and conducts. */
+static struct pair_law random_law(enum potential_kind potential)
+{
+    struct pair_law law = law_of(potential);
+    law.tensile_i = 0.02 + 0.02 * uniform();
+    law.tensile_j = 0.02 + 0.02 * uniform();
+    law.yield_i = 0.02 * uniform();
+    law.yield_j = 0.02 * uniform();
+    law.a_p = uniform();
+    law.a_t = 0.001 * uniform();
+    law.t0_mean = 300.0;
+    law.conduction = 0.1;
+    return law;
+}
+
+static struct pair_view random_view(void)
+{
+    double ri = 0.015 + 0.01 * uniform(), rj = 0.015 + 0.01 * uniform();
+    struct pair_view view = {.r = (ri + rj) * (0.85 + 0.5 * uniform()),
+                             .radius_i = ri,
+                             .radius_j = rj,
+                             .vn = 0.1 * (uniform() - 0.5),
+                             .vt = 0.1 * (uniform() - 0.5),
+                             .w_i = uniform() - 0.5,
+                             .w_j = uniform() - 0.5,
+                             .mass_i = 0.01 * (1.0 + uniform()),
+                             .mass_j = 0.01 * (1.0 + uniform()),
+                             .soft_i = uniform(),
+                             .soft_j = uniform(),
+                             .t_i = 300.0 + 500.0 * uniform(),
+                             .t_j = 300.0 + 500.0 * uniform(),
+                             .p_i = uniform(),
+                             .p_j = uniform()};
+    view.over_r = 1.0 / view.r;
+    return view;
+}
+
+static struct pair_state random_state(void)
+{
+    struct pair_state s = {.linked = uniform() < 0.6, .stretch = 0.0, .spring = 0.004 * (uniform() - 0.5)};
+    if (s.linked && uniform() < 0.5)
+        s.stretch = 0.1 * r0 * uniform();
+    return s;
+}
+
+/* The effect of a pair on i, and the effect of the exchanged pair on its i, which is j. */
+static void check_exchanged(const struct pair_effect *one, const struct pair_effect *two)
+{
+    CHECK_SAME_BITS(one->fn, two->fn);
+    CHECK_SAME_BITS(one->ft, two->ft);
+    CHECK_SAME_BITS(one->fdn, two->fdn);
+    CHECK_SAME_BITS(one->fdt, two->fdt);
+    CHECK_SAME_BITS(one->arm_i, two->arm_j);
+    CHECK_SAME_BITS(one->arm_j, two->arm_i);
+    CHECK_SAME_BITS(one->heat, two->heat);
+    CHECK_SAME_BITS(one->heat_damped, two->heat_damped);
+    CHECK_SAME_BITS(one->exchange + 0.0, -two->exchange + 0.0);
+    CHECK_SAME_BITS(one->potential, two->potential);
+    CHECK_SAME_BITS(one->elastic, two->elastic);
+}
+
 TEST(exchange_changes_signs_alone)
 {
     int yielded = 0, slid = 0, broken = 0, formed = 0;
     for (int k = 0; k < 30000; k++) {
-        struct pair_law law = law_of(kinds[k % 3]);
-        law.tensile_i = 0.02 + 0.02 * uniform();
-        law.tensile_j = 0.02 + 0.02 * uniform();
-        law.yield_i = 0.02 * uniform();
-        law.yield_j = 0.02 * uniform();
-        law.a_p = uniform();
-        law.a_t = 0.001 * uniform();
-        law.t0_mean = 300.0;
-        law.conduction = 0.1;
-        double ri = 0.015 + 0.01 * uniform(), rj = 0.015 + 0.01 * uniform();
-        struct pair_view view = {.r = (ri + rj) * (0.85 + 0.5 * uniform()),
-                                 .radius_i = ri,
-                                 .radius_j = rj,
-                                 .vn = 0.1 * (uniform() - 0.5),
-                                 .vt = 0.1 * (uniform() - 0.5),
-                                 .w_i = uniform() - 0.5,
-                                 .w_j = uniform() - 0.5,
-                                 .mass_i = 0.01 * (1.0 + uniform()),
-                                 .mass_j = 0.01 * (1.0 + uniform()),
-                                 .soft_i = uniform(),
-                                 .soft_j = uniform(),
-                                 .t_i = 300.0 + 500.0 * uniform(),
-                                 .t_j = 300.0 + 500.0 * uniform(),
-                                 .p_i = uniform(),
-                                 .p_j = uniform()};
-        view.over_r = 1.0 / view.r;
-        struct pair_state s = {.linked = uniform() < 0.6,
-                               .stretch = 0.0,
-                               .spring = 0.004 * (uniform() - 0.5)},
-                          start;
-        if (s.linked && uniform() < 0.5)
-            s.stretch = 0.1 * r0 * uniform();
-        start = s;
-        struct pair_state t = s;
+        struct pair_law law = random_law(kinds[k % 3]), other = swap_law(law);
+        struct pair_view view = random_view(), back = swap_view(view);
+        struct pair_state start = random_state(), s = start, t = start;
         struct pair_effect one, two;
         pair_interact(&law, &view, 0.025, 0.025, &s, &one);
-        struct pair_law other = swap_law(law);
-        view.over_r = 1.0 / view.r;
-        struct pair_view back = swap_view(view);
         pair_interact(&other, &back, 0.025, 0.025, &t, &two);
         CHECK(s.linked == t.linked);
         CHECK_SAME_BITS(s.stretch, t.stretch);
         CHECK_SAME_BITS(s.spring, t.spring);
-        CHECK_SAME_BITS(one.fn, two.fn);
-        CHECK_SAME_BITS(one.ft, two.ft);
-        CHECK_SAME_BITS(one.fdn, two.fdn);
-        CHECK_SAME_BITS(one.fdt, two.fdt);
-        CHECK_SAME_BITS(one.arm_i, two.arm_j);
-        CHECK_SAME_BITS(one.arm_j, two.arm_i);
-        CHECK_SAME_BITS(one.heat, two.heat);
-        CHECK_SAME_BITS(one.heat_damped, two.heat_damped);
-        CHECK_SAME_BITS(one.exchange + 0.0, -two.exchange + 0.0);
-        CHECK_SAME_BITS(one.potential, two.potential);
-        CHECK_SAME_BITS(one.elastic, two.elastic);
+        check_exchanged(&one, &two);
         yielded += s.linked && s.stretch != start.stretch;
         slid += one.heat > 0.0 && s.stretch == start.stretch && s.linked == start.linked;
         broken += start.linked && !s.linked;
