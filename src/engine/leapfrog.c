@@ -180,8 +180,8 @@ static enum dm2_status out_of_range(const struct particles *p, size_t i, int64_t
  * Returns the largest squared speed; *bad is the first slot that is too fast or not finite, n_own where all
  * is well. The columns are named by a copy that nobody else knows, so that storing to one does not make the
  * processor fetch all their places anew. */
-DM2_INLINE double drift_all(const struct model *m, const struct particles *columns, double dt_kick,
-                            double limit2, bool near, size_t *bad)
+DM2_INLINE double kick_and_drift(const struct model *m, const struct particles *columns, double dt_kick,
+                                 double limit2, bool near, size_t *bad)
 {
     struct particles own = *columns, *p = &own;
     const struct config *c = m->config;
@@ -221,16 +221,16 @@ DM2_INLINE double drift_all(const struct model *m, const struct particles *colum
     return fastest2;
 }
 
-DM2_WIDE static double drift_near(const struct model *m, const struct particles *p, double dt_kick,
-                                  double limit2, size_t *bad)
+DM2_WIDE static double kick_and_drift_near(const struct model *m, const struct particles *p, double dt_kick,
+                                           double limit2, size_t *bad)
 {
-    return drift_all(m, p, dt_kick, limit2, true, bad);
+    return kick_and_drift(m, p, dt_kick, limit2, true, bad);
 }
 
-DM2_WIDE static double drift_far(const struct model *m, const struct particles *p, double dt_kick,
-                                 double limit2, size_t *bad)
+DM2_WIDE static double kick_and_drift_far(const struct model *m, const struct particles *p, double dt_kick,
+                                          double limit2, size_t *bad)
 {
-    return drift_all(m, p, dt_kick, limit2, false, bad);
+    return kick_and_drift(m, p, dt_kick, limit2, false, bad);
 }
 
 enum dm2_status leapfrog_move(const struct model *m, struct particles *p, int64_t step, bool drift,
@@ -246,8 +246,8 @@ enum dm2_status leapfrog_move(const struct model *m, struct particles *p, int64_
     if (!drift)
         return DM2_OK;
     size_t bad;
-    double fastest2 =
-        m->has_near ? drift_near(m, p, dt_kick, limit2, &bad) : drift_far(m, p, dt_kick, limit2, &bad);
+    double fastest2 = m->has_near ? kick_and_drift_near(m, p, dt_kick, limit2, &bad)
+                                  : kick_and_drift_far(m, p, dt_kick, limit2, &bad);
     if (bad < p->n_own)
         return out_of_range(p, bad, step, "would move further than a cell edge in one step", err);
     *dmax = sqrt(fastest2) * dt;

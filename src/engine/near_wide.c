@@ -152,25 +152,30 @@ DM2_INLINE void central(const struct pair_law *law, const struct lists *l, const
     at->f = law->bond.force * (at->e * at->e - at->e);
 }
 
+/* struct pair_effect (law.h) of four pairs. */
+struct effects {
+    simd_real fn, ft, fdn, fdt, arm_i, arm_j;
+    simd_real heat, heat_damped, exchange, elastic;
+};
+
 /* What a measuring evaluation adds up of four links. */
 struct tally {
     simd_int virial[VIRIAL_COUNT], around[AROUND_COUNT], potential, elastic;
 };
 
-/* The same numbers as near_measure in force.c, of fn, ft and the energy of the springs. Lanes where one
- * leaves the range are added to *left. */
+/* The same numbers as near_measure in force.c. Lanes where one leaves the range are added to *left. */
 DM2_INLINE void measure_lanes(const struct pass *pass, const struct bond *bond, const struct lanes *at,
-                              const simd_real of[3], struct tally *out, simd_int *left)
+                              const struct effects *e, struct tally *out, simd_int *left)
 {
-    const simd_real fn = of[0], ft = of[1];
     const struct fixed_scales *scale = &pass->m->fixed;
     const simd_real zero = {0.0};
     const simd_int link = {TALLY_LINK, TALLY_LINK, TALLY_LINK, TALLY_LINK}, one = link / TALLY_LINK;
-    simd_real dx = at->dx, dy = at->dy, fx = fn * at->nx - ft * at->ny, fy = fn * at->ny + ft * at->nx;
+    simd_real dx = at->dx, dy = at->dy;
+    simd_real fx = e->fn * at->nx - e->ft * at->ny, fy = e->fn * at->ny + e->ft * at->nx;
     simd_real xx = dx * fx * scale->virial, yy = dy * fy * scale->virial;
     simd_real xy = 0.5 * (dx * fy + dy * fx) * scale->virial;
     simd_real potential = bond->energy * ((1.0 - at->e) * (1.0 - at->e)) * scale->energy;
-    simd_real elastic = of[2] * scale->energy;
+    simd_real elastic = e->elastic * scale->energy;
     simd_real largest =
         MAGNITUDE(xx) + MAGNITUDE(yy) + MAGNITUDE(xy) + MAGNITUDE(potential) + MAGNITUDE(elastic);
     *left |= ~(largest < 0x1p50);
@@ -244,6 +249,109 @@ static inline bool all_linked(const struct lists *l, const struct link_quad *q)
     return l->linked[q->k[0]] & l->linked[q->k[1]] & l->linked[q->k[2]] & l->linked[q->k[3]];
 }
 
+/* The strength in tension and the cap of the shear spring of each lane's link, Mbar cm2. */
+DM2_INLINE void strength_lanes(const struct pair_law *law, const struct particles *p,
+                               const struct link_quad *q, simd_real *tension, simd_real *shear)
+{
+    simd_real soft_i = OF_I(p->soft), soft_j = OF_J(p->soft);
+    simd_real pull_i = law->tensile_i * soft_i, pull_j = law->tensile_j * soft_j;
+    simd_real slip_i = law->yield_i * soft_i, slip_j = law->yield_j * soft_j;
+    *tension = LESSER(pull_i, pull_j) * law->bond.area;
+    *shear = LESSER(slip_i, slip_j) * law->bond.area;
+}
+
+/* The lanes whose pairs take the plain path: unlinked, breaking, beyond the strongest attraction, pushed back
+ * into a void, or out of the range of exp_lanes. */
+DM2_INLINE void find_left(const struct pair_law *law, const struct lists *l, const struct link_quad *q,
+                          const struct lanes *at, const simd_real *stretch, const simd_real *tension,
+                          simd_int *left)
+{
+    simd_real power = law->shape - law->bond.alpha * at->x;
+    *left = (at->r > law->bond.breaks) | (at->x > law->bond.peak) | ((*stretch > 0.0) & (at->f > *tension)) |
+            ~((MAGNITUDE(power) < 700.0) & (at->r > 0.0));
+    if (!all_linked(l, q)) {
+        for (int c = 0; c < SIMD_LANES; c++)
+            (*left)[c] |= l->linked[q->k[c]] ? 0 : -1;
+    }
+}
+
+/* fn, fdn and c_t, as law_damping for links. */
+DM2_INLINE void damping_lanes(const struct pair_law *law, const struct particles *p,
+                              const struct link_quad *q, const struct lanes *at, struct effects *e)
+{
+    const simd_real zero = {0.0};
+    simd_real cn = zero + law->cn_mass;
+    if (law->a_p != 0.0 || law->a_t != 0.0) {
+        simd_real change = 1.0 + law->a_p * (0.5 * (OF_I(p->p) + OF_J(p->p))) +
+                           law->a_t * (0.5 * (OF_I(p->temperature) + OF_J(p->temperature)) - law->t0_mean);
+        cn = cn * SIMD_CHOOSE(change > 0.0, change, zero);
+    }
+    e->fdn = -cn * at->vn;
+    e->fn = at->f + e->fdn;
+}
+
+/* The tangential part, as law_tangential for links; `yields`: the spring slips at the cap `shear`. *spring is
+ * the spring before, then after. */
+DM2_INLINE void tangential_lanes(const struct pass *pass, const struct pair_law *law,
+                                 const struct link_quad *q, const struct lanes *at, bool yields,
+                                 const simd_real *shear, simd_real *spring, struct effects *e)
+{
+    const struct particles *p = pass->p;
+    const simd_real zero = {0.0};
+    simd_real share = at->r * law->bond.over_r0, before = *spring, ct = zero + law->ct_mass;
+    e->arm_i = share * law->radius_i;
+    e->arm_j = share * law->radius_j;
+    simd_real vt = at->vt - (OF_I(p->w) * e->arm_i + OF_J(p->w) * e->arm_j);
+    simd_real after = before + vt * pass->dt_path;
+    if (yields) {
+        const simd_int sign = {INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN};
+        simd_int slips = law->kt_link * MAGNITUDE(after) > *shear;
+        simd_real held = *shear / law->kt_link;
+        held = (simd_real)(((simd_int)held & ~sign) | ((simd_int)after & sign));
+        e->heat = e->heat + SIMD_CHOOSE(slips, law->kt_link * (0.5 * (before + held)) * (after - held), zero);
+        after = SIMD_CHOOSE(slips, held, after);
+    }
+    simd_real fs = -law->kt_link * after;
+    e->fdt = -ct * vt;
+    e->ft = fs + e->fdt;
+    e->heat_damped = e->heat_damped - e->fdt * vt * pass->dt_kick;
+    *spring = after;
+}
+
+/* Sets the effects of the lanes in *left to 0. */
+DM2_INLINE void clear_left(const simd_int *left, struct lanes *at, struct effects *e)
+{
+    at->nx = KEPT(at->nx, *left), at->ny = KEPT(at->ny, *left);
+    e->fn = KEPT(e->fn, *left), e->ft = KEPT(e->ft, *left);
+    e->fdn = KEPT(e->fdn, *left), e->fdt = KEPT(e->fdt, *left);
+    e->arm_i = KEPT(e->arm_i, *left), e->arm_j = KEPT(e->arm_j, *left);
+    e->heat = KEPT(e->heat, *left), e->heat_damped = KEPT(e->heat_damped, *left);
+    e->exchange = KEPT(e->exchange, *left);
+}
+
+/* Adds the effects to the sums of both elements of each pair. */
+DM2_INLINE void add_lanes(const struct pass *pass, const struct link_quad *q, const struct lanes *at,
+                          const struct effects *e)
+{
+    const struct fixed_scales *scale = &pass->m->fixed;
+    const simd_real zero = {0.0};
+    simd_real sx = at->nx * scale->force, sy = at->ny * scale->force;
+    simd_int force[4] = {FIXED(e->fn * sx - e->ft * sy), FIXED(e->fn * sy + e->ft * sx),
+                         FIXED(e->fdn * sx - e->fdt * sy), FIXED(e->fdn * sy + e->fdt * sx)};
+    simd_int freed = FIXED(0.5 * e->heat * scale->heat), damped = FIXED(0.5 * e->heat_damped * scale->heat);
+    simd_int gained = FIXED(e->exchange * scale->heat);
+    simd_real tt = e->ft * scale->torque, tdt = e->fdt * scale->torque;
+    simd_int other_i[4] = {-FIXED(e->arm_i * tt), -FIXED(e->arm_i * tdt), freed, damped + gained};
+    simd_int other_j[4] = {-FIXED(e->arm_j * tt), -FIXED(e->arm_j * tdt), freed, damped - gained};
+    scatter(q, pass->p->pair_sum, force, other_i, other_j);
+}
+
+static inline bool law_yields(const struct pair_law *law)
+{
+    return law->tensile_i < INFINITY || law->tensile_j < INFINITY || law->yield_i < INFINITY ||
+           law->yield_j < INFINITY;
+}
+
 /* Stage 3: everything else, and the sums. *left are the lanes whose pairs must take the plain path: nothing
  * was added or changed for them. */
 DM2_INLINE void interact(struct pass *pass, struct lists *l, const struct pair_law *law,
@@ -251,108 +359,51 @@ DM2_INLINE void interact(struct pass *pass, struct lists *l, const struct pair_l
 {
     const struct fixed_scales *scale = &pass->m->fixed;
     const struct particles *p = pass->p;
-    const struct bond *bond = &law->bond;
-    const simd_real zero = {0.0}, endless = zero + INFINITY;
-    const bool yields = law->tensile_i < INFINITY || law->tensile_j < INFINITY || law->yield_i < INFINITY ||
-                        law->yield_j < INFINITY;
-    const bool tangential = spin && law->tangential;
-    simd_real over = at->over, stretch = OF_K(l->stretch), cap = endless, held = endless, torn = zero;
-    if (yields) {
-        simd_real soft_i = OF_I(p->soft), soft_j = OF_J(p->soft);
-        simd_real pull_i = law->tensile_i * soft_i, pull_j = law->tensile_j * soft_j;
-        simd_real slip_i = law->yield_i * soft_i, slip_j = law->yield_j * soft_j;
-        cap = LESSER(pull_i, pull_j) * bond->area;
-        held = LESSER(slip_i, slip_j) * bond->area;
-    }
-    simd_real power = law->shape - bond->alpha * at->x;
-    simd_int more = (at->r > bond->breaks) | (at->x > bond->peak) | ((stretch > 0.0) & (at->f > cap)) |
-                    ~((MAGNITUDE(power) < 700.0) & (at->r > 0.0));
-    if (!all_linked(l, q)) {
-        for (int c = 0; c < SIMD_LANES; c++)
-            more[c] |= l->linked[q->k[c]] ? 0 : -1;
-    }
-    simd_int pulled = (at->f < -cap) & ~more;
+    const simd_real zero = {0.0};
+    const bool yields = law_yields(law), tangential = spin && law->tangential;
+    simd_real stretch = OF_K(l->stretch), tension = zero + INFINITY, shear = tension;
+    simd_real before = zero, spring = zero;
+    struct effects e = {.fn = zero};
+    if (yields)
+        strength_lanes(law, p, q, &tension, &shear);
+    find_left(law, l, q, at, &stretch, &tension, left);
+    simd_int pulled = (at->f < -tension) & ~*left;
     if (yields && any(&pulled))
-        yield_lanes(law, &cap, &pulled, at, &stretch, &torn, &more);
-
-    simd_real cn = zero + law->cn_mass, ct = zero + law->ct_mass;
-    if (law->a_p != 0.0 || law->a_t != 0.0) {
-        simd_real change = 1.0 + law->a_p * (0.5 * (OF_I(p->p) + OF_J(p->p))) +
-                           law->a_t * (0.5 * (OF_I(p->temperature) + OF_J(p->temperature)) - law->t0_mean);
-        cn = cn * SIMD_CHOOSE(change > 0.0, change, zero);
-    }
-    simd_real fdn = -cn * at->vn, fn = at->f + fdn;
-    simd_real ft = zero, fdt = zero, arm_i = zero, arm_j = zero, freed = torn, damped = zero, before = zero,
-              spring = zero;
+        yield_lanes(law, &tension, &pulled, at, &stretch, &e.heat, left);
+    damping_lanes(law, p, q, at, &e);
     if (tangential) {
-        simd_real share = at->r * bond->over_r0;
-        before = OF_K(l->spring);
-        arm_i = share * law->radius_i;
-        arm_j = share * law->radius_j;
-        simd_real vt = at->vt - (OF_I(p->w) * arm_i + OF_J(p->w) * arm_j);
-        spring = before + vt * pass->dt_path;
-        if (yields) {
-            const simd_int sign = {INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN};
-            simd_int slips = law->kt_link * MAGNITUDE(spring) > held;
-            held = held / law->kt_link;
-            held = (simd_real)(((simd_int)held & ~sign) | ((simd_int)spring & sign));
-            freed =
-                freed + SIMD_CHOOSE(slips, law->kt_link * (0.5 * (before + held)) * (spring - held), zero);
-            spring = SIMD_CHOOSE(slips, held, spring);
-        }
-        simd_real fs = -law->kt_link * spring;
-        fdt = -ct * vt;
-        ft = fs + fdt;
-        damped = damped - fdt * vt * pass->dt_kick;
+        before = spring = OF_K(l->spring);
+        tangential_lanes(pass, law, q, at, yields, &shear, &spring, &e);
     }
-    damped = damped - fdn * at->vn * pass->dt_kick;
-    simd_real gained = zero;
+    e.heat_damped = e.heat_damped - e.fdn * at->vn * pass->dt_kick;
     if (law->conduction > 0.0)
-        gained = law->conduction * (bond->area * over) * (OF_J(p->temperature) - OF_I(p->temperature)) *
-                 pass->dt_kick;
+        e.exchange = law->conduction * (law->bond.area * at->over) *
+                     (OF_J(p->temperature) - OF_I(p->temperature)) * pass->dt_kick;
 
-    simd_real largest = (MAGNITUDE(fn) + MAGNITUDE(fdn)) + (MAGNITUDE(ft) + MAGNITUDE(fdt));
-    simd_real heat = MAGNITUDE(freed) + MAGNITUDE(damped) + MAGNITUDE(gained);
-    more |= ~((largest * scale->force < 0x1p50) & (heat * scale->heat < 0x1p50));
+    simd_real largest = (MAGNITUDE(e.fn) + MAGNITUDE(e.fdn)) + (MAGNITUDE(e.ft) + MAGNITUDE(e.fdt));
+    simd_real heat = MAGNITUDE(e.heat) + MAGNITUDE(e.heat_damped) + MAGNITUDE(e.exchange);
+    *left |= ~((largest * scale->force < 0x1p50) & (heat * scale->heat < 0x1p50));
     struct tally tally;
     if (measure) {
-        const simd_real of[3] = {fn, ft, 0.5 * law->kt_link * (spring * spring)};
-        measure_lanes(pass, bond, at, of, &tally, &more);
+        e.elastic = 0.5 * law->kt_link * (spring * spring);
+        measure_lanes(pass, &law->bond, at, &e, &tally, left);
     }
-    *left = more;
-    const bool some = any(&more);
-    if (some && all(&more))
+    const bool some = any(left);
+    if (some && all(left))
         return;
     if (measure)
-        add_tally(pass, q, &tally, &more);
-
-    simd_real nx = at->nx, ny = at->ny;
+        add_tally(pass, q, &tally, left);
     if (some) {
-        nx = KEPT(nx, more), ny = KEPT(ny, more);
-        fn = KEPT(fn, more), ft = KEPT(ft, more);
-        fdn = KEPT(fdn, more), fdt = KEPT(fdt, more);
-        arm_i = KEPT(arm_i, more), arm_j = KEPT(arm_j, more);
-        freed = KEPT(freed, more), damped = KEPT(damped, more), gained = KEPT(gained, more);
-        spring = SIMD_CHOOSE(more, before, spring);
+        clear_left(left, at, &e);
+        spring = SIMD_CHOOSE(*left, before, spring);
     }
-    simd_real sx = nx * scale->force, sy = ny * scale->force;
-    simd_int force[4] = {FIXED(fn * sx - ft * sy), FIXED(fn * sy + ft * sx), FIXED(fdn * sx - fdt * sy),
-                         FIXED(fdn * sy + fdt * sx)};
-    simd_int qfreed = FIXED(0.5 * freed * scale->heat), qdamped = FIXED(0.5 * damped * scale->heat);
-    simd_int qgained = FIXED(gained * scale->heat);
-    simd_real tt = ft * scale->torque, tdt = fdt * scale->torque;
-    simd_int other_i[4] = {-FIXED(arm_i * tt), -FIXED(arm_i * tdt), qfreed, qdamped + qgained};
-    simd_int other_j[4] = {-FIXED(arm_j * tt), -FIXED(arm_j * tdt), qfreed, qdamped - qgained};
-    scatter(q, p->pair_sum, force, other_i, other_j);
+    add_lanes(pass, q, at, &e);
     for (int c = 0; tangential && c < SIMD_LANES; c++)
         l->spring[q->k[c]] = spring[c];
-    pulled = pulled & ~more;
-    if (yields && any(&pulled)) {
-        for (int c = 0; c < SIMD_LANES; c++) {
-            if (pulled[c])
-                l->stretch[q->k[c]] = stretch[c];
-        }
-    }
+    pulled = pulled & ~*left;
+    for (int c = 0; yields && any(&pulled) && c < SIMD_LANES; c++)
+        if (pulled[c])
+            l->stretch[q->k[c]] = stretch[c];
 }
 
 DM2_INLINE void wide_groups(struct pass *pass, struct lists *l, bool spin, bool periodic, bool measure,
