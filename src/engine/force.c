@@ -209,7 +209,10 @@ DM2_WIDE static void near_singles_measured(struct pass *pass, struct lists *l)
 /* Links in quads, then what stands alone. */
 static void near_sorted(struct pass *pass, struct lists *l)
 {
-    pass->no_memory |= link_list_prepare(l, (int)pass->part, pass->m, pass->p) != 0;
+    uint32_t first, last;
+    lists_rows(l, pass->p, pass->part, &first, &last);
+    pass->no_memory |=
+        link_list_prepare(&l->links[pass->part], &l->near, l->linked, first, last, pass->m, pass->p) != 0;
     if (pass->no_memory)
         return;
     near_wide(pass, l, near_single);

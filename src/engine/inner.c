@@ -12,8 +12,9 @@
 #include <string.h>
 
 #include "dm2/base/mem.h"
-#include "lists.h"
+#include "half_list.h"
 #include "particles.h"
+#include "periodic.h"
 
 /* Share of dR that the inner list reaches beyond the cutoff (measured: docs/performance.md). */
 static const double margin_share = 0.5;
@@ -85,8 +86,8 @@ static double moved2(const struct inner_list *inner, const struct inner_part *pa
     const double *r = p->r + 2 * part->first, *was = inner->drawn;
     double most = 0.0;
     for (size_t i = 0; i < part->beyond - part->first; i++) {
-        double dx = lists_wrap(r[2 * i] - was[2 * i], period[0], half[0]);
-        double dy = lists_wrap(r[2 * i + 1] - was[2 * i + 1], period[1], half[1]), d2 = dx * dx + dy * dy;
+        double dx = period_nearest(r[2 * i] - was[2 * i], period[0], half[0]);
+        double dy = period_nearest(r[2 * i + 1] - was[2 * i + 1], period[1], half[1]), d2 = dx * dx + dy * dy;
         most = d2 > most ? d2 : most;
     }
     return most;

@@ -7,16 +7,17 @@
 #include <string.h>
 
 #include "dm2/base/mem.h"
-#include "lists.h"
+#include "half_list.h"
 #include "particles.h"
 #include "tables.h"
 
 /* The law of entry k of row i where it goes into a quad, else NULL. */
-static const struct pair_law *quad_law(const struct lists *l, const struct model *m,
-                                       const struct particles *p, uint32_t i, uint32_t k)
+static const struct pair_law *quad_law(const struct half_list *near, const uint8_t *linked,
+                                       const struct model *m, const struct particles *p, uint32_t i,
+                                       uint32_t k)
 {
-    uint32_t j = l->near.j[k];
-    if (!l->linked[k])
+    uint32_t j = near->j[k];
+    if (!linked[k])
         return NULL;
     const struct pair_law *law =
         model_law(m, p->kind[i], p->kind[j], relation_of(p->body[i], p->grain[i], p->body[j], p->grain[j]));
@@ -51,12 +52,10 @@ static int lay_out(struct link_list *links, size_t pairs)
                : 0;
 }
 
-static int sort_pairs(struct lists *l, enum list_part part, const struct model *m, const struct particles *p)
+static int sort_pairs(struct link_list *links, const struct half_list *near, const uint8_t *linked,
+                      uint32_t first, uint32_t last, const struct model *m, const struct particles *p)
 {
-    struct link_list *links = &l->links[part];
     size_t n_laws = m->n_kinds * m->n_kinds * RELATION_COUNT;
-    uint32_t first, last;
-    lists_rows(l, p, part, &first, &last);
     links->n_groups = n_laws * (((size_t)last - first + CHUNK - 1) / CHUNK);
     if (grow(&links->group, &links->group_cap, links->n_groups, sizeof *links->group) != 0)
         return -1;
@@ -64,14 +63,14 @@ static int sort_pairs(struct lists *l, enum list_part part, const struct model *
         links->group[a] = (struct link_group){.law = &m->laws[a % n_laws]};
     for (uint32_t i = first; i < last; i++) {
         struct link_group *group = &links->group[(i - first) / CHUNK * n_laws];
-        for (uint32_t k = l->near.start[i]; k < l->near.start[i + 1]; k++) {
-            const struct pair_law *law = quad_law(l, m, p, i, k);
+        for (uint32_t k = near->start[i]; k < near->start[i + 1]; k++) {
+            const struct pair_law *law = quad_law(near, linked, m, p, i, k);
             if (law != NULL)
                 group[law - m->laws].n++;
         }
     }
     size_t *placed = mem_zalloc(n_laws, sizeof *placed);
-    if (placed == NULL || lay_out(links, l->near.start[last] - l->near.start[first]) != 0) {
+    if (placed == NULL || lay_out(links, near->start[last] - near->start[first]) != 0) {
         free(placed);
         return -1;
     }
@@ -80,8 +79,8 @@ static int sort_pairs(struct lists *l, enum list_part part, const struct model *
         const struct link_group *group = &links->group[(i - first) / CHUNK * n_laws];
         if ((i - first) % CHUNK == 0)
             memset(placed, 0, n_laws * sizeof *placed);
-        for (uint32_t k = l->near.start[i]; k < l->near.start[i + 1]; k++) {
-            const struct pair_law *law = quad_law(l, m, p, i, k);
+        for (uint32_t k = near->start[i]; k < near->start[i + 1]; k++) {
+            const struct pair_law *law = quad_law(near, linked, m, p, i, k);
             size_t a = law != NULL ? (size_t)(law - m->laws) : 0;
             if (law == NULL || placed[a] == SIMD_LANES * group[a].n) {
                 links->single[links->n_single++] = (struct single_pair){i, k};
@@ -90,7 +89,7 @@ static int sort_pairs(struct lists *l, enum list_part part, const struct model *
             struct link_quad *q = &links->quad[group[a].first + placed[a] / SIMD_LANES];
             size_t lane = placed[a]++ % SIMD_LANES;
             q->i[lane] = i;
-            q->j[lane] = l->near.j[k];
+            q->j[lane] = near->j[k];
             q->k[lane] = k;
         }
     }
@@ -98,13 +97,13 @@ static int sort_pairs(struct lists *l, enum list_part part, const struct model *
     return 0;
 }
 
-int link_list_prepare(struct lists *lists, int part, const struct model *m, const struct particles *p)
+int link_list_prepare(struct link_list *links, const struct half_list *near, const uint8_t *linked,
+                      uint32_t first, uint32_t last, const struct model *m, const struct particles *p)
 {
-    struct link_list *links = &lists->links[part];
     if (links->valid && (!m->has_kinds || memcmp(links->kind, p->kind, p->n * sizeof *p->kind) == 0))
         return 0;
     links->valid = false;
-    if (sort_pairs(lists, (enum list_part)part, m, p) != 0)
+    if (sort_pairs(links, near, linked, first, last, m, p) != 0)
         return -1;
     if (m->has_kinds) {
         if (grow(&links->kind, &links->kind_cap, p->n, sizeof *links->kind) != 0)

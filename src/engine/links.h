@@ -16,7 +16,7 @@
 
 struct model;
 struct particles;
-struct lists;
+struct half_list;
 struct pair_law;
 
 /* Four entries k of the near list, of rows i, with partners j. */
@@ -45,9 +45,10 @@ struct link_list {
     bool valid; /* false after a rebuild */
 };
 
-/* Sorts the pairs of one part (enum list_part) of lists->near into lists->links[part], where they are not
- * sorted yet or elements have changed their kind since. 0, or -1 without memory. */
-int link_list_prepare(struct lists *lists, int part, const struct model *m, const struct particles *p);
+/* Sorts the pairs of rows [first, last) of the near list into `links`, where they are not sorted yet or
+ * elements have changed their kind since. linked: of each entry of `near`. 0, or -1 without memory. */
+int link_list_prepare(struct link_list *links, const struct half_list *near, const uint8_t *linked,
+                      uint32_t first, uint32_t last, const struct model *m, const struct particles *p);
 void link_list_free(struct link_list *links);
 size_t link_list_bytes(const struct link_list *links);
 

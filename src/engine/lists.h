@@ -14,31 +14,16 @@
 #include "dm2/base/status.h"
 #include "bins.h"
 #include "cells.h"
+#include "half_list.h"
 #include "inner.h"
 #include "links.h"
 #include "particles.h"
-
-/* One half list: row i is entries start[i] .. start[i+1]-1. */
-struct half_list {
-    uint32_t *start; /* [n_own + 1] */
-    uint32_t *j; /* partner of each entry: its slot in the near list, twice its slot (the component x) in the
-                    far list */
-    size_t row_cap, cap;
-};
 
 /* Memory of a pair that survives a rebuild, in the row of its lower new slot. */
 struct carried_pair {
     uint32_t b; /* higher new slot */
     bool linked;
     double stretch, spring;
-};
-
-/* The rows of both lists are in two parts. No pair of the first has a mirrored element, so its forces can be
- * evaluated before the mirrored elements' new positions are known. */
-enum list_part {
-    PART_INSIDE, /* rows [0, n_inside): elements of own cells that no mirrored cell surrounds */
-    PART_EDGE,   /* rows [n_inside, n_own) */
-    PART_COUNT
 };
 
 struct lists {
