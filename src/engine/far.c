@@ -14,14 +14,13 @@
 #include "pair_pass.h"
 
 static const double far_range = 0x1p50;
-static const double shifter = 0x1.8p52;
 
 static inline int64_t far_to_fixed(double scaled)
 {
-    double shifted = scaled + shifter;
+    double shifted = scaled + simd_shifter;
     int64_t bits, zero;
     memcpy(&bits, &shifted, sizeof bits);
-    memcpy(&zero, &shifter, sizeof zero);
+    memcpy(&zero, &simd_shifter, sizeof zero);
     return bits - zero;
 }
 
@@ -60,12 +59,11 @@ static inline void far_rows(struct pass *pass, const struct lists *lists, bool u
         bool bad = false;
         for (uint32_t k = list->start[i]; k < list->start[i + 1]; k++) {
             uint32_t j = list->j[k] / 2;
-            double dx = lists_wrap(x - r[2 * (size_t)j], pass->period[0], pass->half[0]);
-            double dy = lists_wrap(y - r[2 * (size_t)j + 1], pass->period[1], pass->half[1]);
+            double dx = period_nearest(x - r[2 * (size_t)j], pass->period.size[0], pass->period.half[0]);
+            double dy = period_nearest(y - r[2 * (size_t)j + 1], pass->period.size[1], pass->period.half[1]);
             double r2 = dx * dx + dy * dy, energy = 0.0;
             if (!uniform) {
-                law = model_law(m, p->kind[i], p->kind[j],
-                                relation_of(p->body[i], p->grain[i], p->body[j], p->grain[j]));
+                law = particles_law(m, p, i, j);
                 r0 = p->radius[i] + p->radius[j];
             }
             if (r2 > law->cutoff2)
@@ -97,9 +95,8 @@ static inline void far_rows(struct pass *pass, const struct lists *lists, bool u
     }
 }
 
-/* Position and force sum of the element whose x is component c; the arrays are aligned to cache lines. */
-#define POSITION(c) (*(const simd_real2 *)(const void *)(r + (c)))
-#define FORCE(c)    (*(simd_int2 *)(void *)(sum + (c)))
+/* The force sum of the element whose x is component c; the arrays are aligned to cache lines. */
+#define FORCE(c) (*(simd_int2 *)(void *)(sum + (c)))
 
 /* Four pairs on their way through the loop: what is known once the division has been started. */
 struct far_lanes {
@@ -110,13 +107,12 @@ DM2_INLINE void look_at(const struct far_quad *quad, const double *r, double rm2
                         bool periodic, struct far_lanes *out)
 {
     const uint32_t *j = quad->j;
-    simd_real a = SIMD_JOIN(POSITION(j[0]), POSITION(j[2])), b = SIMD_JOIN(POSITION(j[1]), POSITION(j[3]));
+    simd_real a = SIMD_JOIN(SIMD_AT(r, j[0]), SIMD_AT(r, j[2])),
+              b = SIMD_JOIN(SIMD_AT(r, j[1]), SIMD_AT(r, j[3]));
     simd_real dx = r[quad->i] - SIMD_EVEN(a, b), dy = r[quad->i + 1] - SIMD_ODD(a, b);
     if (periodic) {
-        const simd_real zero = {0.0}, period_x = zero + pass->period[0], period_y = zero + pass->period[1];
-        const simd_real half_x = zero + pass->half[0], half_y = zero + pass->half[1];
-        dx = dx - SIMD_CHOOSE(dx > half_x, period_x, zero) + SIMD_CHOOSE(dx < -half_x, period_x, zero);
-        dy = dy - SIMD_CHOOSE(dy > half_y, period_y, zero) + SIMD_CHOOSE(dy < -half_y, period_y, zero);
+        lanes_nearest(&dx, pass->period.size[0], pass->period.half[0]);
+        lanes_nearest(&dy, pass->period.size[1], pass->period.half[1]);
     }
     simd_real r2 = dx * dx + dy * dy;
     *out = (struct far_lanes){dx, dy, r2, rm2 / r2};
@@ -144,8 +140,8 @@ DM2_INLINE double lennard_jones(const struct pass *pass, const struct inner_list
         simd_real w3 = now.w * now.w * now.w;
         simd_real fs = strength * now.w * w3 * (w3 - 1.0);
         fs = SIMD_CHOOSE(now.r2 <= cutoff2, fs, zero);
-        simd_int qx = (simd_int)(fs * now.dx + shifter) - (simd_int)(zero + shifter);
-        simd_int qy = (simd_int)(fs * now.dy + shifter) - (simd_int)(zero + shifter);
+        simd_int qx = SIMD_FIXED(fs * now.dx);
+        simd_int qy = SIMD_FIXED(fs * now.dy);
         union simd_int_halves even = {.all = SIMD_EVEN(qx, qy)}, odd = {.all = SIMD_ODD(qx, qy)};
         union simd_int_halves both = {.all = even.all + odd.all};
         FORCE(quad->j[0]) -= even.half[0];
@@ -169,9 +165,6 @@ DM2_WIDE static double lennard_jones_periodic(const struct pass *pass, const str
 {
     return lennard_jones(pass, list, true);
 }
-
-#define FIXED(x)     ((simd_int)((x) + shifter) - (simd_int)(zero + shifter))
-#define MAGNITUDE(x) ((simd_real)((simd_int)(x) & (simd_int){INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX}))
 
 /* What the plain loop measures, four pairs at a time: virial and energy, no forces. Returns the largest
  * magnitude that became an integer: from far_range on, the integers mean nothing. */
@@ -198,9 +191,9 @@ DM2_INLINE double measure_quads(struct pass *pass, const struct inner_list *list
         simd_real xy = SIMD_CHOOSE(within, 0.5 * (at.dx * fy + at.dy * fx) * scale, zero);
         simd_real u =
             SIMD_CHOOSE(within, (depth * (w3 * w3 - 2.0 * w3) - law->u_cut) * m->fixed.energy, zero);
-        simd_real size = MAGNITUDE(xx) + MAGNITUDE(yy) + MAGNITUDE(xy) + MAGNITUDE(u);
+        simd_real size = SIMD_MAGNITUDE(xx) + SIMD_MAGNITUDE(yy) + SIMD_MAGNITUDE(xy) + SIMD_MAGNITUDE(u);
         largest = SIMD_CHOOSE(size > largest, size, largest);
-        simd_int qxx = FIXED(xx), qyy = FIXED(yy), qxy = FIXED(xy), qu = FIXED(u);
+        simd_int qxx = SIMD_FIXED(xx), qyy = SIMD_FIXED(yy), qxy = SIMD_FIXED(xy), qu = SIMD_FIXED(u);
         /* Transposed: the sums of each pair. */
         simd_int a = SIMD_EVEN(qxx, qyy), b = SIMD_ODD(qxx, qyy), c = SIMD_EVEN(qxy, none),
                  d = SIMD_ODD(qxy, none);
@@ -249,7 +242,7 @@ static void far_wide(struct pass *pass, struct lists *lists)
     lists_rows(lists, pass->p, pass->part, &first, &last);
     const struct inner_part part = {first, last, pass->part == PART_INSIDE ? pass->p->n_own : pass->p->n};
     if (inner_list_prepare(inner, &lists->far, &part, pass->p, m->far_cutoff, m->config->delta_r,
-                           pass->period, pass->half) != 0) {
+                           &pass->period) != 0) {
         pass->no_memory = true;
         return;
     }

@@ -98,14 +98,13 @@ DM2_INLINE void near_pair(struct pass *pass, struct lists *l, uint32_t i, uint32
     size_t j = l->near.j[k];
     double dx = r[2 * i] - r[2 * j], dy = r[2 * i + 1] - r[2 * j + 1];
     if (periodic) {
-        dx = lists_wrap(dx, pass->period[0], pass->half[0]);
-        dy = lists_wrap(dy, pass->period[1], pass->half[1]);
+        dx = period_nearest(dx, pass->period.size[0], pass->period.half[0]);
+        dy = period_nearest(dy, pass->period.size[1], pass->period.half[1]);
     }
     double r2 = dx * dx + dy * dy, r0 = p->radius[i] + p->radius[j];
     if (r2 > r0 * r0 * (1.0 + 0x1p-40) && !lists_remembers(l, k))
         return; /* neither touches nor remembers: most near pairs that are not linked */
-    const struct pair_law *law =
-        model_law(m, p->kind[i], p->kind[j], relation_of(p->body[i], p->grain[i], p->body[j], p->grain[j]));
+    const struct pair_law *law = particles_law(m, p, i, j);
     double distance = sqrt(r2), over = r2 > 0.0 ? 1.0 / distance : 0.0, nx = dx * over, ny = dy * over;
     double dvx = v[2 * i] - v[2 * j], dvy = v[2 * i + 1] - v[2 * j + 1];
     struct pair_view view = {
@@ -287,11 +286,12 @@ static void evaluate(struct pass *pass, struct lists *l)
 static struct pass start(const struct model *m, struct particles *p, double dt_kick, double dt_path,
                          struct pair_totals *totals)
 {
-    struct pass pass = {.m = m, .p = p, .dt_kick = dt_kick, .dt_path = dt_path, .totals = totals};
-    for (int a = 0; a < 2; a++) {
-        pass.period[a] = m->grid.periodic[a] ? m->grid.size[a] : 0.0;
-        pass.half[a] = m->grid.periodic[a] ? 0.5 * m->grid.size[a] : INFINITY;
-    }
+    struct pass pass = {.m = m,
+                        .p = p,
+                        .period = period_of(&m->grid),
+                        .dt_kick = dt_kick,
+                        .dt_path = dt_path,
+                        .totals = totals};
     if (totals != NULL)
         *totals = (struct pair_totals){0};
     return pass;

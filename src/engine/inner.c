@@ -21,8 +21,6 @@ static const double margin_share = 0.5;
 /* Evaluations that a drawing must serve to be worth its cost. */
 static const int worth = 3;
 
-#define POSITION(c) (*(const simd_real2 *)(const void *)(r + (c)))
-
 /* The far list whole, in quads. */
 static void take_all(struct inner_list *inner, const struct half_list *far, const struct inner_part *part)
 {
@@ -39,11 +37,9 @@ static void take_all(struct inner_list *inner, const struct half_list *far, cons
  * kept. */
 DM2_WIDE static void take_near(struct inner_list *inner, const struct half_list *far,
                                const struct inner_part *part, const struct particles *p, double reach,
-                               const double period[2], const double half[2])
+                               const struct period *period)
 {
     const double *r = p->r, reach2 = reach * reach;
-    const simd_real zero = {0.0}, period_x = zero + period[0], period_y = zero + period[1];
-    const simd_real half_x = zero + half[0], half_y = zero + half[1];
     const uint32_t nobody = 2 * (uint32_t)p->n;
     size_t n = 0;
     for (size_t i = part->first; i < part->last; i++) {
@@ -53,11 +49,11 @@ DM2_WIDE static void take_near(struct inner_list *inner, const struct half_list 
         q->i = 2 * (uint32_t)i;
         for (uint32_t k = far->start[i]; k < far->start[i + 1]; k += SIMD_LANES) {
             const uint32_t *j = far->j + k;
-            simd_real a = SIMD_JOIN(POSITION(j[0]), POSITION(j[2])),
-                      b = SIMD_JOIN(POSITION(j[1]), POSITION(j[3]));
+            simd_real a = SIMD_JOIN(SIMD_AT(r, j[0]), SIMD_AT(r, j[2])),
+                      b = SIMD_JOIN(SIMD_AT(r, j[1]), SIMD_AT(r, j[3]));
             simd_real dx = x - SIMD_EVEN(a, b), dy = y - SIMD_ODD(a, b);
-            dx = dx - SIMD_CHOOSE(dx > half_x, period_x, zero) + SIMD_CHOOSE(dx < -half_x, period_x, zero);
-            dy = dy - SIMD_CHOOSE(dy > half_y, period_y, zero) + SIMD_CHOOSE(dy < -half_y, period_y, zero);
+            lanes_nearest(&dx, period->size[0], period->half[0]);
+            lanes_nearest(&dy, period->size[1], period->half[1]);
             simd_int kept = dx * dx + dy * dy <= reach2;
             for (int c = 0; c < SIMD_LANES; c++) {
                 q->j[lane] = j[c];
@@ -81,13 +77,14 @@ DM2_WIDE static void take_near(struct inner_list *inner, const struct half_list 
 /* Greatest squared distance from the positions of the last drawing. (A pair's lower slot is in the part's
  * rows.) */
 static double moved2(const struct inner_list *inner, const struct inner_part *part, const struct particles *p,
-                     const double period[2], const double half[2])
+                     const struct period *period)
 {
     const double *r = p->r + 2 * part->first, *was = inner->drawn;
     double most = 0.0;
     for (size_t i = 0; i < part->beyond - part->first; i++) {
-        double dx = period_nearest(r[2 * i] - was[2 * i], period[0], half[0]);
-        double dy = period_nearest(r[2 * i + 1] - was[2 * i + 1], period[1], half[1]), d2 = dx * dx + dy * dy;
+        double dx = period_nearest(r[2 * i] - was[2 * i], period->size[0], period->half[0]);
+        double dy = period_nearest(r[2 * i + 1] - was[2 * i + 1], period->size[1], period->half[1]),
+               d2 = dx * dx + dy * dy;
         most = d2 > most ? d2 : most;
     }
     return most;
@@ -95,24 +92,25 @@ static double moved2(const struct inner_list *inner, const struct inner_part *pa
 
 static int reserve(struct inner_list *inner, size_t pairs, size_t n)
 {
-    void *quad = inner->quad, *drawn = inner->drawn;
-    int status = mem_grow(&quad, &inner->cap, 0, pairs / SIMD_LANES + 2, sizeof *inner->quad);
+    struct far_quad *quad = mem_grown(inner->quad, &inner->cap, 0, pairs / SIMD_LANES + 2, sizeof *quad);
+    if (quad == NULL)
+        return -1;
     inner->quad = quad;
-    if (status == 0)
-        status = mem_grow(&drawn, &inner->drawn_cap, 0, n + 1, 2 * sizeof *inner->drawn);
+    double *drawn = mem_grown(inner->drawn, &inner->drawn_cap, 0, n + 1, 2 * sizeof *drawn);
+    if (drawn == NULL)
+        return -1;
     inner->drawn = drawn;
-    return status;
+    return 0;
 }
 
 int inner_list_prepare(struct inner_list *inner, const struct half_list *far, const struct inner_part *part,
-                       const struct particles *p, double cutoff, double reach_more, const double period[2],
-                       const double half[2])
+                       const struct particles *p, double cutoff, double reach_more,
+                       const struct period *period)
 {
     size_t slots = part->beyond - part->first;
     inner->served++;
     if (inner->valid) {
-        if (isinf(inner->margin) ||
-            moved2(inner, part, p, period, half) <= 0.25 * (inner->margin * inner->margin))
+        if (isinf(inner->margin) || moved2(inner, part, p, period) <= 0.25 * (inner->margin * inner->margin))
             return 0;
         inner->margin = inner->served > worth ? margin_share * reach_more : INFINITY;
     } else {
@@ -126,7 +124,7 @@ int inner_list_prepare(struct inner_list *inner, const struct half_list *far, co
     if (isinf(inner->margin)) {
         take_all(inner, far, part);
     } else {
-        take_near(inner, far, part, p, cutoff + inner->margin, period, half);
+        take_near(inner, far, part, p, cutoff + inner->margin, period);
         memcpy(inner->drawn, p->r + 2 * part->first, slots * 2 * sizeof *inner->drawn);
     }
     if (inner->n > 0)

@@ -18,6 +18,7 @@
 struct model;
 struct particles;
 struct half_list;
+struct period;
 
 /* Four pairs of one element. Numbers are those of x components: twice the slot; lanes left over hold slot n,
  * which is far from everything. */
@@ -42,10 +43,10 @@ struct inner_part {
 
 /* Draws the list if it is not valid for the present positions of p. `far` is the far list of p, with rows
  * padded to fours, of which the inner list is drawn from `part`; cutoff: of the potential; reach_more: the
- * far list's margin dR, cm; period and half as lists_wrap has them. 0, or -1 without memory. */
+ * far list's margin dR, cm; 0, or -1 without memory. */
 int inner_list_prepare(struct inner_list *inner, const struct half_list *far, const struct inner_part *part,
-                       const struct particles *p, double cutoff, double reach_more, const double period[2],
-                       const double half[2]);
+                       const struct particles *p, double cutoff, double reach_more,
+                       const struct period *period);
 void inner_list_free(struct inner_list *inner);
 size_t inner_list_bytes(const struct inner_list *inner);
 

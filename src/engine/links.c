@@ -19,18 +19,8 @@ static const struct pair_law *quad_law(const struct half_list *near, const uint8
     uint32_t j = near->j[k];
     if (!linked[k])
         return NULL;
-    const struct pair_law *law =
-        model_law(m, p->kind[i], p->kind[j], relation_of(p->body[i], p->grain[i], p->body[j], p->grain[j]));
+    const struct pair_law *law = particles_law(m, p, i, j);
     return law->wide && p->radius[i] == law->radius_i && p->radius[j] == law->radius_j ? law : NULL;
-}
-
-static int grow(void *block, size_t *cap, size_t need, size_t size)
-{
-    void *p;
-    memcpy(&p, block, sizeof p);
-    int status = mem_grow(&p, cap, 0, need, size);
-    memcpy(block, &p, sizeof p);
-    return status;
 }
 
 enum { CHUNK = 2048 }; /* rows: some 300 KB of their state and sums, and those of their neighbours */
@@ -45,11 +35,16 @@ static int lay_out(struct link_list *links, size_t pairs)
         g->first = quads;
         quads += g->n;
     }
-    return grow(&links->quad, &links->quad_cap, quads, sizeof *links->quad) != 0 ||
-                   grow(&links->single, &links->single_cap, pairs - SIMD_LANES * quads,
-                        sizeof *links->single) != 0
-               ? -1
-               : 0;
+    struct link_quad *quad = mem_grown(links->quad, &links->quad_cap, 0, quads, sizeof *quad);
+    if (quad == NULL)
+        return -1;
+    links->quad = quad;
+    struct single_pair *single =
+        mem_grown(links->single, &links->single_cap, 0, pairs - SIMD_LANES * quads, sizeof *single);
+    if (single == NULL)
+        return -1;
+    links->single = single;
+    return 0;
 }
 
 static int sort_pairs(struct link_list *links, const struct half_list *near, const uint8_t *linked,
@@ -57,12 +52,15 @@ static int sort_pairs(struct link_list *links, const struct half_list *near, con
 {
     size_t n_laws = m->n_kinds * m->n_kinds * RELATION_COUNT;
     links->n_groups = n_laws * (((size_t)last - first + CHUNK - 1) / CHUNK);
-    if (grow(&links->group, &links->group_cap, links->n_groups, sizeof *links->group) != 0)
+    struct link_group *groups =
+        mem_grown(links->group, &links->group_cap, 0, links->n_groups, sizeof *groups);
+    if (groups == NULL)
         return -1;
+    links->group = groups;
     for (size_t a = 0; a < links->n_groups; a++)
-        links->group[a] = (struct link_group){.law = &m->laws[a % n_laws]};
+        groups[a] = (struct link_group){.law = &m->laws[a % n_laws]};
     for (uint32_t i = first; i < last; i++) {
-        struct link_group *group = &links->group[(i - first) / CHUNK * n_laws];
+        struct link_group *group = &groups[(i - first) / CHUNK * n_laws];
         for (uint32_t k = near->start[i]; k < near->start[i + 1]; k++) {
             const struct pair_law *law = quad_law(near, linked, m, p, i, k);
             if (law != NULL)
@@ -76,7 +74,7 @@ static int sort_pairs(struct link_list *links, const struct half_list *near, con
     }
     links->n_single = 0;
     for (uint32_t i = first; i < last; i++) {
-        const struct link_group *group = &links->group[(i - first) / CHUNK * n_laws];
+        const struct link_group *group = &groups[(i - first) / CHUNK * n_laws];
         if ((i - first) % CHUNK == 0)
             memset(placed, 0, n_laws * sizeof *placed);
         for (uint32_t k = near->start[i]; k < near->start[i + 1]; k++) {
@@ -106,9 +104,11 @@ int link_list_prepare(struct link_list *links, const struct half_list *near, con
     if (sort_pairs(links, near, linked, first, last, m, p) != 0)
         return -1;
     if (m->has_kinds) {
-        if (grow(&links->kind, &links->kind_cap, p->n, sizeof *links->kind) != 0)
+        uint16_t *kind = mem_grown(links->kind, &links->kind_cap, 0, p->n, sizeof *kind);
+        if (kind == NULL)
             return -1;
-        memcpy(links->kind, p->kind, p->n * sizeof *p->kind);
+        links->kind = kind;
+        memcpy(kind, p->kind, p->n * sizeof *p->kind);
     }
     links->valid = true;
     return 0;

@@ -14,6 +14,7 @@
 #include "dm2/base/mem.h"
 #include "dm2/base/simd.h"
 #include "flaws.h"
+#include "periodic.h"
 
 /* A link starts where lattice neighbours touch, give or take rounding of the deck's spacings. */
 static const double initial_reach = 1.02;
@@ -24,8 +25,8 @@ struct builder {
     const struct particles *p;
     bool initial;
     double far_reach2, near_reach2; /* cm2; the second bounds every pair's own */
-    double period[2], half[2];      /* infinite halves where a side is not periodic */
-    uint32_t row;                   /* the owned slot whose row is being filled */
+    struct period period;
+    uint32_t row; /* the owned slot whose row is being filled */
     size_t far_count, near_count;
     uint32_t close_a, close_b; /* an overlapping pair, if any */
     bool overlap;
@@ -42,8 +43,8 @@ static size_t list_room(size_t cap, size_t need, size_t guess)
 
 static int list_reserve_rows(struct half_list *list, size_t rows)
 {
-    void *start = list->start;
-    if (mem_grow(&start, &list->row_cap, 0, rows + 1, sizeof *list->start) != 0)
+    uint32_t *start = mem_grown(list->start, &list->row_cap, 0, rows + 1, sizeof *start);
+    if (start == NULL)
         return -1;
     list->start = start;
     return 0;
@@ -113,7 +114,7 @@ static bool link_missing(const struct builder *b, uint32_t i, uint32_t j)
     struct link_end ends[2] = {{p->id[i], p->body[i], p->r + 2 * i}, {p->id[j], p->body[j], p->r + 2 * j}};
     double apart[2];
     for (size_t a = 0; a < 2; a++)
-        apart[a] = lists_wrap(p->r[2 * i + a] - p->r[2 * j + a], b->period[a], b->half[a]);
+        apart[a] = period_nearest(p->r[2 * i + a] - p->r[2 * j + a], b->period.size[a], b->period.half[a]);
     return flaws_miss(b->m->config, ends[0], ends[1], apart);
 }
 
@@ -157,8 +158,8 @@ static inline double distance2(const struct builder *b, uint32_t i, uint32_t j, 
     const double *r = b->p->r;
     double dx = r[2 * i] - r[2 * j], dy = r[2 * i + 1] - r[2 * j + 1];
     if (periodic) {
-        dx = lists_wrap(dx, b->period[0], b->half[0]);
-        dy = lists_wrap(dy, b->period[1], b->half[1]);
+        dx = period_nearest(dx, b->period.size[0], b->period.half[0]);
+        dy = period_nearest(dy, b->period.size[1], b->period.half[1]);
     }
     return dx * dx + dy * dy;
 }
@@ -298,12 +299,12 @@ static int remember(struct builder *b, uint32_t i)
 
 int lists_carry_start(struct lists *l, size_t n_own)
 {
-    void *rows = l->rows;
-    int status = mem_grow(&rows, &l->rows_cap, 0, n_own + 2, sizeof *l->rows);
+    uint32_t *rows = mem_grown(l->rows, &l->rows_cap, 0, n_own + 2, sizeof *rows);
+    if (rows == NULL)
+        return -1;
+    memset(rows, 0, (n_own + 2) * sizeof *rows);
     l->rows = rows;
-    if (status == 0)
-        memset(l->rows, 0, (n_own + 2) * sizeof *l->rows);
-    return status;
+    return 0;
 }
 
 /* Counts become starts: rows[a + 1] is the cursor of row a and ends where the next row begins. */
@@ -313,9 +314,10 @@ int lists_carry_reserve(struct lists *l, size_t n_own, void *room, size_t bytes)
         l->rows[i + 2] += l->rows[i + 1];
     size_t pairs = l->rows[n_own + 1], need = pairs * (2 * sizeof *l->carried + sizeof *l->carried_b);
     if (need > bytes) {
-        if (mem_grow(&l->carried_own, &l->carried_own_cap, 0, need, 1) != 0)
+        room = mem_grown(l->carried_own, &l->carried_own_cap, 0, need, 1);
+        if (room == NULL)
             return -1;
-        room = l->carried_own;
+        l->carried_own = room;
     }
     l->carried = room;
     l->carried_b = pairs > 0 ? (uint32_t *)(void *)(l->carried + 2 * pairs) : NULL;
@@ -327,15 +329,11 @@ static struct builder begin(struct lists *lists, const struct model *m, const st
 {
     double dr = m->config->delta_r,
            near = m->has_near || initial ? 2.0 * m->radius_max + m->margins.close : 0.0;
-    struct builder b = {.lists = lists, .m = m, .p = p, .initial = initial};
+    struct builder b = {.lists = lists, .m = m, .p = p, .initial = initial, .period = period_of(&m->grid)};
     if (initial && near < initial_reach * 2.0 * m->radius_max)
         near = initial_reach * 2.0 * m->radius_max;
     b.far_reach2 = m->has_far ? (m->far_cutoff + dr) * (m->far_cutoff + dr) : -1.0;
     b.near_reach2 = near > 0.0 ? near * near : -1.0;
-    for (int a = 0; a < 2; a++) {
-        b.period[a] = m->grid.periodic[a] ? m->grid.size[a] : 0.0;
-        b.half[a] = m->grid.periodic[a] ? 0.5 * m->grid.size[a] : INFINITY;
-    }
     return b;
 }
 
@@ -393,11 +391,13 @@ done:
 int lists_keep_memory(struct lists *l, bool springs)
 {
     size_t n = l->near.start[l->n_inside], numbers = springs ? 2 * n : n;
-    void *kept = l->kept;
-    int status = mem_grow(&kept, &l->kept_cap, 0, numbers * sizeof *l->kept + n * sizeof *l->linked + 1, 1);
+    void *kept =
+        mem_grown(l->kept, &l->kept_cap, 0, numbers * sizeof *l->kept + n * sizeof *l->linked + 1, 1);
+    if (kept == NULL)
+        return -1;
     l->kept = kept;
-    if (status != 0 || n == 0)
-        return status;
+    if (n == 0)
+        return 0;
     if (springs)
         memcpy(l->kept, l->spring, n * sizeof *l->kept);
     memcpy(l->kept + numbers - n, l->stretch, n * sizeof *l->kept);

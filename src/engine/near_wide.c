@@ -15,8 +15,6 @@
 #include "dm2/base/simd.h"
 #include "pair_pass.h"
 
-static const double shifter = 0x1.8p52;
-
 enum { BLOCK = 8 }; /* quads that go through the stages together */
 
 /* What the stages hand on of one quad. */
@@ -30,9 +28,7 @@ struct lanes {
 #define OF_J(array)   ((simd_real){(array)[q->j[0]], (array)[q->j[1]], (array)[q->j[2]], (array)[q->j[3]]})
 #define OF_K(array)   ((simd_real){(array)[q->k[0]], (array)[q->k[1]], (array)[q->k[2]], (array)[q->k[3]]})
 #define LESSER(a, b)  SIMD_CHOOSE((a) < (b), a, b)
-#define FIXED(x)      ((simd_int)((x) + shifter) - (simd_int)(zero + shifter))
 #define KEPT(x, left) ((simd_real)((simd_int)(x) & ~(left))) /* 0 in the lanes left */
-#define MAGNITUDE(x)  ((simd_real)((simd_int)(x) & (simd_int){INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX}))
 
 /* Four rows of four integers, transposed: component c of lane q becomes component q of lane c. */
 DM2_INLINE void transpose(const simd_int in[4], simd_int out[4])
@@ -67,7 +63,7 @@ DM2_INLINE void scatter(const struct link_quad *q, int64_t *pair_sum, const simd
 /* e^x of each lane, the operations of real_exp; |x| <= 700. */
 DM2_INLINE void exp_lanes(const simd_real *in, simd_real *out)
 {
-    simd_real x = *in, shifted = x * 0x1.71547652b82fep0 + shifter, kd = shifted - shifter;
+    simd_real x = *in, shifted = x * 0x1.71547652b82fep0 + simd_shifter, kd = shifted - simd_shifter;
     simd_real z = (x - kd * 0x1.62e42fefa0000p-1) - kd * 0x1.cf79abc9e3b3ap-40;
     simd_real z2 = z * z, z4 = z2 * z2;
     simd_real p01 = 1.0 + z, p23 = 0.5 + z * 0x1.5555555555555p-3;
@@ -119,16 +115,13 @@ DM2_INLINE void differences(const double *array, const struct link_quad *q, simd
  * meanwhile. */
 DM2_INLINE void geometry(const struct pass *pass, const struct link_quad *q, bool periodic, struct lanes *out)
 {
-    const simd_real zero = {0.0};
     simd_real dx, dy, dvx, dvy;
     for (int c = 0; c < SIMD_LANES; c++)
         __builtin_prefetch(pass->p->pair_sum + SUM_COUNT * (size_t)q->j[c], 1);
     differences(pass->p->r, q, &dx, &dy);
     if (periodic) {
-        const simd_real half_x = zero + pass->half[0], half_y = zero + pass->half[1];
-        const simd_real period_x = zero + pass->period[0], period_y = zero + pass->period[1];
-        dx = dx - SIMD_CHOOSE(dx > half_x, period_x, zero) + SIMD_CHOOSE(dx < -half_x, period_x, zero);
-        dy = dy - SIMD_CHOOSE(dy > half_y, period_y, zero) + SIMD_CHOOSE(dy < -half_y, period_y, zero);
+        lanes_nearest(&dx, pass->period.size[0], pass->period.half[0]);
+        lanes_nearest(&dy, pass->period.size[1], pass->period.half[1]);
     }
     differences(pass->p->v, q, &dvx, &dvy);
     simd_real r2 = dx * dx + dy * dy;
@@ -168,7 +161,6 @@ DM2_INLINE void measure_lanes(const struct pass *pass, const struct bond *bond, 
                               const struct effects *e, struct tally *out, simd_int *left)
 {
     const struct fixed_scales *scale = &pass->m->fixed;
-    const simd_real zero = {0.0};
     const simd_int link = {TALLY_LINK, TALLY_LINK, TALLY_LINK, TALLY_LINK}, one = link / TALLY_LINK;
     simd_real dx = at->dx, dy = at->dy;
     simd_real fx = e->fn * at->nx - e->ft * at->ny, fy = e->fn * at->ny + e->ft * at->nx;
@@ -176,20 +168,20 @@ DM2_INLINE void measure_lanes(const struct pass *pass, const struct bond *bond, 
     simd_real xy = 0.5 * (dx * fy + dy * fx) * scale->virial;
     simd_real potential = bond->energy * ((1.0 - at->e) * (1.0 - at->e)) * scale->energy;
     simd_real elastic = e->elastic * scale->energy;
-    simd_real largest =
-        MAGNITUDE(xx) + MAGNITUDE(yy) + MAGNITUDE(xy) + MAGNITUDE(potential) + MAGNITUDE(elastic);
+    simd_real largest = SIMD_MAGNITUDE(xx) + SIMD_MAGNITUDE(yy) + SIMD_MAGNITUDE(xy) +
+                        SIMD_MAGNITUDE(potential) + SIMD_MAGNITUDE(elastic);
     *left |= ~(largest < 0x1p50);
     dx = KEPT(dx, *left);
     dy = KEPT(dy, *left);
-    out->virial[VIRIAL_XX] = FIXED(KEPT(xx, *left));
-    out->virial[VIRIAL_YY] = FIXED(KEPT(yy, *left));
-    out->virial[VIRIAL_XY] = FIXED(KEPT(xy, *left));
-    out->around[AROUND_XX] = FIXED(dx * dx * scale->around);
-    out->around[AROUND_YY] = FIXED(dy * dy * scale->around);
-    out->around[AROUND_XY] = FIXED(dx * dy * scale->around);
+    out->virial[VIRIAL_XX] = SIMD_FIXED(KEPT(xx, *left));
+    out->virial[VIRIAL_YY] = SIMD_FIXED(KEPT(yy, *left));
+    out->virial[VIRIAL_XY] = SIMD_FIXED(KEPT(xy, *left));
+    out->around[AROUND_XX] = SIMD_FIXED(dx * dx * scale->around);
+    out->around[AROUND_YY] = SIMD_FIXED(dy * dy * scale->around);
+    out->around[AROUND_XY] = SIMD_FIXED(dx * dy * scale->around);
     out->virial[VIRIAL_TALLY] = one * TALLY_PAIR + link + (one * TALLY_CONTACT & (at->r <= bond->r0));
-    out->potential = FIXED(KEPT(potential, *left));
-    out->elastic = FIXED(KEPT(elastic, *left));
+    out->potential = SIMD_FIXED(KEPT(potential, *left));
+    out->elastic = SIMD_FIXED(KEPT(elastic, *left));
 }
 
 /* Adds it to both elements of each pair but those left, and the energies of those that count here. */
@@ -237,7 +229,7 @@ DM2_INLINE void yield_lanes(const struct pair_law *law, const simd_real *cap, co
     simd_real held = at->r - (bond->r0 - log * bond->r0 / law->shape), change = held - *stretch;
     simd_real x = at->r - held, power = law->shape - bond->alpha * x;
     exp_lanes(&power, &e);
-    *heat = KEPT(*cap * MAGNITUDE(change), ~*pulled);
+    *heat = KEPT(*cap * SIMD_MAGNITUDE(change), ~*pulled);
     *stretch = SIMD_CHOOSE(*pulled, held, *stretch);
     at->x = SIMD_CHOOSE(*pulled, x, at->x);
     at->e = SIMD_CHOOSE(*pulled, e, at->e);
@@ -268,7 +260,7 @@ DM2_INLINE void find_left(const struct pair_law *law, const struct lists *l, con
 {
     simd_real power = law->shape - law->bond.alpha * at->x;
     *left = (at->r > law->bond.breaks) | (at->x > law->bond.peak) | ((*stretch > 0.0) & (at->f > *tension)) |
-            ~((MAGNITUDE(power) < 700.0) & (at->r > 0.0));
+            ~((SIMD_MAGNITUDE(power) < 700.0) & (at->r > 0.0));
     if (!all_linked(l, q)) {
         for (int c = 0; c < SIMD_LANES; c++)
             (*left)[c] |= l->linked[q->k[c]] ? 0 : -1;
@@ -305,7 +297,7 @@ DM2_INLINE void tangential_lanes(const struct pass *pass, const struct pair_law 
     simd_real after = before + vt * pass->dt_path;
     if (yields) {
         const simd_int sign = {INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN};
-        simd_int slips = law->kt_link * MAGNITUDE(after) > *shear;
+        simd_int slips = law->kt_link * SIMD_MAGNITUDE(after) > *shear;
         simd_real held = *shear / law->kt_link;
         held = (simd_real)(((simd_int)held & ~sign) | ((simd_int)after & sign));
         e->heat = e->heat + SIMD_CHOOSE(slips, law->kt_link * (0.5 * (before + held)) * (after - held), zero);
@@ -334,15 +326,15 @@ DM2_INLINE void add_lanes(const struct pass *pass, const struct link_quad *q, co
                           const struct effects *e)
 {
     const struct fixed_scales *scale = &pass->m->fixed;
-    const simd_real zero = {0.0};
     simd_real sx = at->nx * scale->force, sy = at->ny * scale->force;
-    simd_int force[4] = {FIXED(e->fn * sx - e->ft * sy), FIXED(e->fn * sy + e->ft * sx),
-                         FIXED(e->fdn * sx - e->fdt * sy), FIXED(e->fdn * sy + e->fdt * sx)};
-    simd_int freed = FIXED(0.5 * e->heat * scale->heat), damped = FIXED(0.5 * e->heat_damped * scale->heat);
-    simd_int gained = FIXED(e->exchange * scale->heat);
+    simd_int force[4] = {SIMD_FIXED(e->fn * sx - e->ft * sy), SIMD_FIXED(e->fn * sy + e->ft * sx),
+                         SIMD_FIXED(e->fdn * sx - e->fdt * sy), SIMD_FIXED(e->fdn * sy + e->fdt * sx)};
+    simd_int freed = SIMD_FIXED(0.5 * e->heat * scale->heat),
+             damped = SIMD_FIXED(0.5 * e->heat_damped * scale->heat);
+    simd_int gained = SIMD_FIXED(e->exchange * scale->heat);
     simd_real tt = e->ft * scale->torque, tdt = e->fdt * scale->torque;
-    simd_int other_i[4] = {-FIXED(e->arm_i * tt), -FIXED(e->arm_i * tdt), freed, damped + gained};
-    simd_int other_j[4] = {-FIXED(e->arm_j * tt), -FIXED(e->arm_j * tdt), freed, damped - gained};
+    simd_int other_i[4] = {-SIMD_FIXED(e->arm_i * tt), -SIMD_FIXED(e->arm_i * tdt), freed, damped + gained};
+    simd_int other_j[4] = {-SIMD_FIXED(e->arm_j * tt), -SIMD_FIXED(e->arm_j * tdt), freed, damped - gained};
     scatter(q, pass->p->pair_sum, force, other_i, other_j);
 }
 
@@ -380,8 +372,9 @@ DM2_INLINE void interact(struct pass *pass, struct lists *l, const struct pair_l
         e.exchange = law->conduction * (law->bond.area * at->over) *
                      (OF_J(p->temperature) - OF_I(p->temperature)) * pass->dt_kick;
 
-    simd_real largest = (MAGNITUDE(e.fn) + MAGNITUDE(e.fdn)) + (MAGNITUDE(e.ft) + MAGNITUDE(e.fdt));
-    simd_real heat = MAGNITUDE(e.heat) + MAGNITUDE(e.heat_damped) + MAGNITUDE(e.exchange);
+    simd_real largest =
+        (SIMD_MAGNITUDE(e.fn) + SIMD_MAGNITUDE(e.fdn)) + (SIMD_MAGNITUDE(e.ft) + SIMD_MAGNITUDE(e.fdt));
+    simd_real heat = SIMD_MAGNITUDE(e.heat) + SIMD_MAGNITUDE(e.heat_damped) + SIMD_MAGNITUDE(e.exchange);
     *left |= ~((largest * scale->force < 0x1p50) & (heat * scale->heat < 0x1p50));
     struct tally tally;
     if (measure) {

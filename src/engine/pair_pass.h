@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 #include "force.h"
+#include "periodic.h"
 
 /* Largest magnitude that near effects and energies may have in fixed point: 64 pairs may meet in one element.
  */
@@ -24,7 +25,7 @@ static inline int64_t to_fixed(double scaled)
 struct pass {
     const struct model *m;
     struct particles *p;
-    double period[2], half[2];
+    struct period period;
     double dt_kick, dt_path;
     struct pair_totals *totals;
     struct exact_sum potential, elastic;

@@ -137,4 +137,12 @@ static inline void particles_warm(struct particles *p, const struct model *m, si
     p->soft[i] = particles_softening(kind, temperature);
 }
 
+/* The law of slot i with slot j, as i sees the pair. */
+static inline const struct pair_law *particles_law(const struct model *m, const struct particles *p, size_t i,
+                                                   size_t j)
+{
+    return model_law(m, p->kind[i], p->kind[j],
+                     relation_of(p->body[i], p->grain[i], p->body[j], p->grain[j]));
+}
+
 #endif

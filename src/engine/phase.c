@@ -19,6 +19,7 @@
 #include <stdlib.h>
 
 #include "dm2/base/mem.h"
+#include "periodic.h"
 
 /* How far (p, t) is above the line of this phase, in Mbar or K. */
 static double above_line(const struct phase_config *phase, double p, double t)
@@ -93,14 +94,12 @@ static double bond_energy(const struct pair_law *law, double r, double r0, bool 
 static double bond_change(const struct model *m, const struct particles *p, const struct lists *l, size_t i,
                           size_t j, uint32_t entry)
 {
-    double period[2], half[2], d[2], radius_i = phase_radius(m, p->radius[i], p->kind[i], p->was[i]),
-                                     radius_j = phase_radius(m, p->radius[j], p->kind[j], p->was[j]);
+    const struct period period = period_of(&m->grid);
+    double d[2], radius_i = phase_radius(m, p->radius[i], p->kind[i], p->was[i]),
+                 radius_j = phase_radius(m, p->radius[j], p->kind[j], p->was[j]);
     enum relation relation = relation_of(p->body[i], p->grain[i], p->body[j], p->grain[j]);
-    for (size_t a = 0; a < 2; a++) {
-        period[a] = m->grid.periodic[a] ? m->grid.size[a] : 0.0;
-        half[a] = m->grid.periodic[a] ? 0.5 * m->grid.size[a] : INFINITY;
-        d[a] = lists_wrap(p->r[2 * i + a] - p->r[2 * j + a], period[a], half[a]);
-    }
+    for (size_t a = 0; a < 2; a++)
+        d[a] = period_nearest(p->r[2 * i + a] - p->r[2 * j + a], period.size[a], period.half[a]);
     double r = sqrt(d[0] * d[0] + d[1] * d[1]);
     double before = bond_energy(model_law(m, p->was[i], p->was[j], relation), r, radius_i + radius_j,
                                 l->linked[entry], l->stretch[entry], l->spring[entry]);

@@ -16,6 +16,7 @@
 
 #include "dm2/base/mem.h"
 #include "dm2/base/real.h"
+#include "periodic.h"
 #include "phase.h"
 
 void reaction_rate(const struct reaction_table *x, struct reaction_side a, struct reaction_side b,
@@ -66,18 +67,13 @@ enum dm2_status reaction_evaluate(const struct model *m, const struct particles 
                                   struct dm2_error *err)
 {
     const double facet = 0x1.279a74590331dp-1; /* 1/sqrt(3): the facet of a hexagon, as in the pair law */
-    void *block = sums->item;
-    double period[2], half[2];
-    int grown = mem_grow(&block, &sums->cap, 0, p->n * REACTION_SUMS, sizeof *sums->item);
-    sums->item = block;
-    if (grown != 0)
+    const struct period period = period_of(&m->grid);
+    int64_t *grown = mem_grown(sums->item, &sums->cap, 0, p->n * REACTION_SUMS, sizeof *grown);
+    if (grown == NULL)
         return dm2_fail(err, DM2_MEMORY, "no memory for the reactions of %zu elements", p->n);
+    sums->item = grown;
     if (p->n > 0)
         memset(sums->item, 0, p->n * REACTION_SUMS * sizeof *sums->item);
-    for (int a = 0; a < 2; a++) {
-        period[a] = m->grid.periodic[a] ? m->grid.size[a] : 0.0;
-        half[a] = m->grid.periodic[a] ? 0.5 * m->grid.size[a] : INFINITY;
-    }
     for (size_t i = 0; i < p->n_own; i++) {
         for (uint32_t k = lists->near.start[i]; k < lists->near.start[i + 1]; k++) {
             size_t j = lists->near.j[k];
@@ -85,8 +81,8 @@ enum dm2_status reaction_evaluate(const struct model *m, const struct particles 
             bool backward = p->share[2 * j] > 0.0 && p->share[2 * i + 1] > 0.0;
             if (!forward && !backward)
                 continue;
-            double dx = lists_wrap(p->r[2 * i] - p->r[2 * j], period[0], half[0]);
-            double dy = lists_wrap(p->r[2 * i + 1] - p->r[2 * j + 1], period[1], half[1]);
+            double dx = period_nearest(p->r[2 * i] - p->r[2 * j], period.size[0], period.half[0]);
+            double dy = period_nearest(p->r[2 * i + 1] - p->r[2 * j + 1], period.size[1], period.half[1]);
             double r0 = p->radius[i] + p->radius[j];
             if (sqrt(dx * dx + dy * dy) > r0)
                 continue;

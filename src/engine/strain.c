@@ -14,6 +14,7 @@
 #include <string.h>
 
 #include "dm2/base/mem.h"
+#include "periodic.h"
 
 enum strain_sum { RXX, RYY, RXY, UXX, UXY, UYX, UYY }; /* UXY: du_x r_y */
 
@@ -87,18 +88,15 @@ enum dm2_status strain_add(const struct model *m, struct particles *p, const str
     if (status != DM2_OK)
         return status;
     const struct half_list *near = &lists->near;
-    double r0 = 2.0 * m->radius_max, scale = quantum_bits / (r0 * r0), period[2], half[2];
-    for (int a = 0; a < 2; a++) {
-        period[a] = m->grid.periodic[a] ? m->grid.size[a] : 0.0;
-        half[a] = m->grid.periodic[a] ? 0.5 * m->grid.size[a] : INFINITY;
-    }
+    double r0 = 2.0 * m->radius_max, scale = quantum_bits / (r0 * r0);
+    const struct period period = period_of(&m->grid);
     memset(s->sum, 0, p->n * STRAIN_SUMS * sizeof *s->sum);
     for (size_t i = 0; i < p->n_own; i++) {
         for (uint32_t k = near->start[i]; k < near->start[i + 1]; k++) {
             size_t j = near->j[k];
             double contact = p->radius[i] + p->radius[j], r[2], u[2];
             for (size_t a = 0; a < 2; a++) {
-                r[a] = lists_wrap(p->r[2 * i + a] - p->r[2 * j + a], period[a], half[a]);
+                r[a] = period_nearest(p->r[2 * i + a] - p->r[2 * j + a], period.size[a], period.half[a]);
                 u[a] = (p->v[2 * i + a] - p->v[2 * j + a]) * dt_path;
             }
             if (!lists->linked[k] && r[0] * r[0] + r[1] * r[1] > contact * contact)

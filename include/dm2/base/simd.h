@@ -1,9 +1,8 @@
-/* Four doubles at a time, with the vector types that gcc and clang share. Every operation is the scalar
- * operation in each lane, so that a loop over vectors gives the bits of the scalar loop.
+/* Four doubles at a time, with the vector types that gcc and clang share. Every operation is the scalar one
+ * in each lane, so a loop written with them gives the bits of the plain loop.
  *
- * DM2_WIDE marks a function that is compiled for AVX2 and for the baseline instruction set; glibc on x86-64
- * selects the version when the program starts. Elsewhere the compiler translates the vectors to the
- * instructions of the target. */
+ * DM2_WIDE marks a function that is compiled for AVX2 and for the plain instruction set, and chosen when the
+ * program starts (glibc on x86-64); elsewhere the compiler makes of the vectors what the machine has. */
 #ifndef DM2_BASE_SIMD_H
 #define DM2_BASE_SIMD_H
 
@@ -13,13 +12,26 @@ typedef double simd_real __attribute__((vector_size(32)));
 typedef int64_t simd_int __attribute__((vector_size(32)));
 enum { SIMD_LANES = 4 };
 
-/* In each lane a where the comparison `mask` holds, else b. A macro, because vectors are not passed to
+/* Lane by lane: a where the comparison `mask` holds, else b. A macro, since vectors are not passed to
  * functions. */
 #define SIMD_CHOOSE(mask, a, b) ((simd_real)(((simd_int)(a) & (mask)) | ((simd_int)(b) & ~(mask))))
+
+/* |x| of each lane. */
+#define SIMD_MAGNITUDE(x)                                                                                    \
+    ((simd_real)((simd_int)(x) & (simd_int){INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX}))
+
+/* The nearest integer of each lane, halves to even, for |x| < 2^51. Adding 1.5 * 2^52 leaves the rounded
+ * integer in the low bits of the double, and works in vectors, where a conversion to 64-bit integers would
+ * not. */
+static const double simd_shifter = 0x1.8p52;
+#define SIMD_FIXED(x) ((simd_int)((x) + simd_shifter) - (simd_int)((simd_real){0.0} + simd_shifter))
 
 /* Two doubles, the components of one element's vector. */
 typedef double simd_real2 __attribute__((vector_size(16)));
 typedef int64_t simd_int2 __attribute__((vector_size(16)));
+
+/* Components c and c + 1, c even, of an array that mem_alloc aligned. */
+#define SIMD_AT(array, c) (*(const simd_real2 *)(const void *)((array) + (c)))
 
 union simd_int_halves {
     simd_int all;
@@ -47,7 +59,7 @@ union simd_int_halves {
 #define SIMD_HIGH(a, b)      __builtin_shuffle(a, b, (simd_int){2, 3, 6, 7})
 #endif
 
-/* Marks a function that a DM2_WIDE function calls, because each version must inline the function. */
+/* What a DM2_WIDE function calls must be inlined into each of its versions. */
 #define DM2_INLINE static inline __attribute__((always_inline))
 
 #if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__)
