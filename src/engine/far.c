@@ -1,20 +1,19 @@
-/* Potentials of scope `all`: every pair within a cutoff, no memory, no status. This loop is all that a
- * molecular-dynamics deck does, so its common case, one kind of element with a Lennard-Jones potential, has a
- * path that takes four pairs at a time, those of the inner list (inner.h); its lanes are filled up with a
- * slot that is far from everything. Both paths do the same operations on each pair, so the bits do not tell
- * which ran.
+/* Potentials of scope `all`: every pair within a cutoff, without memory or status. A molecular-dynamics deck
+ * spends nearly all of its time in this loop, so the common case, one kind of element with a Lennard-Jones
+ * potential, has a path for four pairs at a time, over the quads of the inner list (inner.h), whose unused
+ * lanes hold a slot that is far from all elements. Both paths do the same operations on each pair, so both
+ * give the same bits.
  *
- * Forces become integers by adding 1.5 * 2^52, which leaves the rounded integer in the low bits of the
- * double: exact below 2^51, and it works in vectors, where conversion to 64-bit integers would not. A
- * Lennard-Jones pair can leave that range only by coming closer than law->r2_least; other potentials have
- * each force checked. */
+ * Forces become integers as by SIMD_FIXED, exact below 2^51. A Lennard-Jones pair leaves this range only
+ * where it is closer than law->r2_least; the forces of other potentials are checked one by one. */
 #include <string.h>
 
 #include "dm2/base/simd.h"
 #include "pair_pass.h"
 
-static const double far_range = 0x1p50;
+static const double far_range = 0x1p50; /* of each component of a force, in fixed point */
 
+/* SIMD_FIXED of one double. */
 static inline int64_t far_to_fixed(double scaled)
 {
     double shifted = scaled + simd_shifter;
@@ -24,8 +23,10 @@ static inline int64_t far_to_fixed(double scaled)
     return bits - zero;
 }
 
-/* Force over distance, f/r, of the potential at r^2, and its energy above the cutoff where asked. */
-static inline double far_pair(const struct pair_law *law, double r2, double r0, double *energy)
+/* Force over distance, f/r, of the potential at r^2, and, with energy != NULL, its energy above that at the
+ * cutoff.
+ */
+static inline double find_far_force(const struct pair_law *law, double r2, double r0, double *energy)
 {
     if (law->eps12 > 0.0) {
         double w = law->rm2 / r2, w3 = w * w * w;
@@ -41,8 +42,8 @@ static inline double far_pair(const struct pair_law *law, double r2, double r0, 
     return f / r;
 }
 
-/* The plain loop: any mix of kinds and potentials, and measuring. */
-static inline void far_rows(struct pass *pass, const struct lists *lists, bool uniform, bool measure)
+/* The plain loop: any mix of kinds and potentials, with or without measures. */
+static inline void evaluate_rows(struct pass *pass, const struct lists *lists, bool uniform, bool measure)
 {
     const struct half_list *list = &lists->far;
     const struct model *m = pass->m;
@@ -68,10 +69,10 @@ static inline void far_rows(struct pass *pass, const struct lists *lists, bool u
             }
             if (r2 > law->cutoff2)
                 continue;
-            double f = far_pair(law, r2, r0, measure ? &energy : NULL), fs = f * scale;
+            double f = find_far_force(law, r2, r0, measure ? &energy : NULL), fs = f * scale;
             double fx = fs * dx, fy = fs * dy;
             bad |= !(r2 >= law->r2_least) | !(fabs(fx) < far_range) | !(fabs(fy) < far_range);
-            if (bad) { /* no integer to add */
+            if (bad) { /* the force has no integer */
                 note_bad(pass, i, j);
                 break;
             }
@@ -98,13 +99,14 @@ static inline void far_rows(struct pass *pass, const struct lists *lists, bool u
 /* The force sum of the element whose x is component c; the arrays are aligned to cache lines. */
 #define FORCE(c) (*(simd_int2 *)(void *)(sum + (c)))
 
-/* Four pairs on their way through the loop: what is known once the division has been started. */
+/* Four pairs between geometry and force. */
 struct far_lanes {
     simd_real dx, dy, r2, w; /* w = r_m^2/r^2 */
 };
 
-DM2_INLINE void look_at(const struct far_quad *quad, const double *r, double rm2, const struct pass *pass,
-                        bool periodic, struct far_lanes *out)
+/* Differences, r^2 and w of a quad; rm2: r_m^2, cm2. */
+DM2_INLINE void find_geometry(const struct far_quad *quad, const double *r, double rm2,
+                              const struct pass *pass, bool periodic, struct far_lanes *out)
 {
     const uint32_t *j = quad->j;
     simd_real a = SIMD_JOIN(SIMD_AT(r, j[0]), SIMD_AT(r, j[2])),
@@ -118,10 +120,10 @@ DM2_INLINE void look_at(const struct far_quad *quad, const double *r, double rm2
     *out = (struct far_lanes){dx, dy, r2, rm2 / r2};
 }
 
-/* One Lennard-Jones law for all, four pairs at a time: the plain loop in lanes. A quad's distances are worked
- * out while the one before it is still at its forces: the processor waits for neither. Returns the least r^2
- * of all pairs. */
-DM2_INLINE double lennard_jones(const struct pass *pass, const struct inner_list *list, bool periodic)
+/* One Lennard-Jones law for all, four pairs at a time: the plain loop in lanes. The distances of a quad are
+ * computed beside the forces of the quad before it, so that the processor waits for neither. Returns the
+ * least r^2 of all pairs, cm2. */
+DM2_INLINE double add_forces(const struct pass *pass, const struct inner_list *list, bool periodic)
 {
     const struct pair_law *law = pass->m->laws;
     const double *r = pass->p->r, cutoff2 = law->cutoff2, rm2 = law->rm2;
@@ -131,11 +133,11 @@ DM2_INLINE double lennard_jones(const struct pass *pass, const struct inner_list
     simd_real least = zero + INFINITY;
     struct far_lanes next;
     if (list->n > 0)
-        look_at(list->quad, r, rm2, pass, periodic, &next);
+        find_geometry(list->quad, r, rm2, pass, periodic, &next);
     for (size_t k = 0; k < list->n; k++) {
         const struct far_quad *quad = &list->quad[k];
         struct far_lanes now = next;
-        look_at(quad + 1, r, rm2, pass, periodic, &next);
+        find_geometry(quad + 1, r, rm2, pass, periodic, &next);
         least = SIMD_CHOOSE(now.r2 < least, now.r2, least);
         simd_real w3 = now.w * now.w * now.w;
         simd_real fs = strength * now.w * w3 * (w3 - 1.0);
@@ -156,18 +158,18 @@ DM2_INLINE double lennard_jones(const struct pass *pass, const struct inner_list
     return of_all;
 }
 
-DM2_WIDE static double lennard_jones_free(const struct pass *pass, const struct inner_list *list)
+DM2_WIDE static double add_forces_free(const struct pass *pass, const struct inner_list *list)
 {
-    return lennard_jones(pass, list, false);
+    return add_forces(pass, list, false);
 }
 
-DM2_WIDE static double lennard_jones_periodic(const struct pass *pass, const struct inner_list *list)
+DM2_WIDE static double add_forces_periodic(const struct pass *pass, const struct inner_list *list)
 {
-    return lennard_jones(pass, list, true);
+    return add_forces(pass, list, true);
 }
 
-/* What the plain loop measures, four pairs at a time: virial and energy, no forces. Returns the largest
- * magnitude that became an integer: from far_range on, the integers mean nothing. */
+/* The measures of the plain loop, four pairs at a time: virial and energy, no forces. Returns the largest
+ * magnitude that became an integer: from far_range on, the integers are meaningless. */
 DM2_INLINE double measure_quads(struct pass *pass, const struct inner_list *list, bool periodic)
 {
     const struct model *m = pass->m;
@@ -182,7 +184,7 @@ DM2_INLINE double measure_quads(struct pass *pass, const struct inner_list *list
     for (size_t k = 0; k < list->n; k++) {
         const struct far_quad *quad = &list->quad[k];
         struct far_lanes at;
-        look_at(quad, p->r, law->rm2, pass, periodic, &at);
+        find_geometry(quad, p->r, law->rm2, pass, periodic, &at);
         simd_int within = at.r2 <= law->cutoff2;
         simd_real w3 = at.w * at.w * at.w, f = law->strength * at.w * w3 * (w3 - 1.0);
         simd_real fx = f * at.dx, fy = f * at.dy;
@@ -194,7 +196,7 @@ DM2_INLINE double measure_quads(struct pass *pass, const struct inner_list *list
         simd_real size = SIMD_MAGNITUDE(xx) + SIMD_MAGNITUDE(yy) + SIMD_MAGNITUDE(xy) + SIMD_MAGNITUDE(u);
         largest = SIMD_CHOOSE(size > largest, size, largest);
         simd_int qxx = SIMD_FIXED(xx), qyy = SIMD_FIXED(yy), qxy = SIMD_FIXED(xy), qu = SIMD_FIXED(u);
-        /* Transposed: the sums of each pair. */
+        /* transposed: the sums of each pair */
         simd_int a = SIMD_EVEN(qxx, qyy), b = SIMD_ODD(qxx, qyy), c = SIMD_EVEN(qxy, none),
                  d = SIMD_ODD(qxy, none);
         simd_int part[SIMD_LANES] = {SIMD_LOW(a, c), SIMD_LOW(b, d), SIMD_HIGH(a, c), SIMD_HIGH(b, d)};
@@ -226,15 +228,16 @@ DM2_WIDE static double measure_periodic(struct pass *pass, const struct inner_li
     return measure_quads(pass, list, true);
 }
 
-/* Virial and energy of all pairs; false where a number left the range of lanes: then neither means anything.
- */
+/* Adds virial and energy of all pairs. False: a number left the range of lanes, and both sums are
+ * meaningless. */
 static bool measure_wide(struct pass *pass, const struct inner_list *list)
 {
     bool periodic = pass->m->grid.periodic[0] || pass->m->grid.periodic[1];
     return (periodic ? measure_periodic(pass, list) : measure_free(pass, list)) < far_range;
 }
 
-static void far_wide(struct pass *pass, struct lists *lists)
+/* One kind of element and one plain Lennard-Jones law. */
+static void evaluate_quads(struct pass *pass, struct lists *lists)
 {
     const struct model *m = pass->m;
     struct inner_list *inner = &lists->inner[pass->part];
@@ -252,9 +255,9 @@ static void far_wide(struct pass *pass, struct lists *lists)
         return;
     }
     bool periodic = m->grid.periodic[0] || m->grid.periodic[1];
-    double least = periodic ? lennard_jones_periodic(pass, inner) : lennard_jones_free(pass, inner);
+    double least = periodic ? add_forces_periodic(pass, inner) : add_forces_free(pass, inner);
     if (least < m->laws->r2_least)
-        far_rows(pass, lists, true, false); /* finds which pair it was; the run ends */
+        evaluate_rows(pass, lists, true, false); /* finds the pair; the run ends */
 }
 
 void far_evaluate(struct pass *pass, struct lists *lists)
@@ -263,13 +266,13 @@ void far_evaluate(struct pass *pass, struct lists *lists)
     bool measure = pass->totals != NULL;
     pulse_beat(&m->pulse);
     if (m->wide_far && !pass->plain && !pass->far_plain)
-        far_wide(pass, lists);
+        evaluate_quads(pass, lists);
     else if (m->uniform_far && measure)
-        far_rows(pass, lists, true, true);
+        evaluate_rows(pass, lists, true, true);
     else if (m->uniform_far)
-        far_rows(pass, lists, true, false);
+        evaluate_rows(pass, lists, true, false);
     else if (measure)
-        far_rows(pass, lists, false, true);
+        evaluate_rows(pass, lists, false, true);
     else
-        far_rows(pass, lists, false, false);
+        evaluate_rows(pass, lists, false, false);
 }

@@ -1,7 +1,7 @@
-/* The near pairs, and one evaluation of everything. The physics of a pair is in law.h; here pairs are found
- * in the half lists and their effects added to both elements as 64-bit integers: integer addition does not
- * depend on order, so neither do the results. Conversion is an odd function, so action and reaction cancel to
- * the last bit. Each conversion's range is checked; nothing wraps. */
+/* The near pairs, and one evaluation of all pairs. The physics of a pair is in law.h; the loops here take the
+ * pairs from the half lists and add their effects to both elements as 64-bit integers. Integer addition does
+ * not depend on order, so neither do the results. Conversion is an odd function, so action and reaction
+ * cancel to the last bit. The range of each conversion is checked; no sum wraps. */
 #include "force.h"
 
 #include <assert.h>
@@ -14,9 +14,9 @@
 
 /* --- near pairs --- */
 
-/* Adds a pair's effect: to i's sums, which the row keeps, and to j's. False where it is out of range. */
-DM2_INLINE bool near_add(const struct fixed_scales *s, int64_t *a, int64_t *b, double nx, double ny,
-                         const struct pair_effect *e, bool spin)
+/* Adds the effect of a pair to the sums `a` of i and `b` of j. False where the effect is out of range. */
+DM2_INLINE bool add_effect(const struct fixed_scales *s, int64_t *a, int64_t *b, double nx, double ny,
+                           const struct pair_effect *e, bool spin)
 {
     double largest = (fabs(e->fn) + fabs(e->fdn)) + (fabs(e->ft) + fabs(e->fdt));
     double heat = fabs(e->heat) + fabs(e->heat_damped) + fabs(e->exchange);
@@ -67,7 +67,8 @@ static void add_around(const struct pass *pass, uint32_t i, uint32_t j, double d
     pass->p->virial[VIRIAL_COUNT * (size_t)j + VIRIAL_TALLY] += tally;
 }
 
-static void near_measure(struct pass *pass, uint32_t i, uint32_t j, double dx, double dy, double nx,
+/* Adds the virial, surroundings, energies and counts of a pair. */
+static void measure_pair(struct pass *pass, uint32_t i, uint32_t j, double dx, double dy, double nx,
                          double ny, const struct pair_effect *e, bool linked)
 {
     struct particles *p = pass->p;
@@ -87,10 +88,10 @@ static void near_measure(struct pass *pass, uint32_t i, uint32_t j, double dx, d
     pass->totals->contacts += e->contacting;
 }
 
-/* One pair: entry k of the row of owned slot i, whose sums may be kept apart. The plain path: every physics
- * there is. */
-DM2_INLINE void near_pair(struct pass *pass, struct lists *l, uint32_t i, uint32_t k, int64_t *sums,
-                          bool measure, bool spin, bool periodic)
+/* The plain path, with the whole law: entry k of the near row of owned slot i. Effects on i go to `sums`,
+ * which may be kept apart from pair_sum. */
+DM2_INLINE void evaluate_pair(struct pass *pass, struct lists *l, uint32_t i, uint32_t k, int64_t *sums,
+                              bool measure, bool spin, bool periodic)
 {
     const struct model *m = pass->m;
     struct particles *p = pass->p;
@@ -103,7 +104,7 @@ DM2_INLINE void near_pair(struct pass *pass, struct lists *l, uint32_t i, uint32
     }
     double r2 = dx * dx + dy * dy, r0 = p->radius[i] + p->radius[j];
     if (r2 > r0 * r0 * (1.0 + 0x1p-40) && !lists_remembers(l, k))
-        return; /* neither touches nor remembers: most near pairs that are not linked */
+        return; /* no contact, no memory: most near pairs that are not linked */
     const struct pair_law *law = particles_law(m, p, i, j);
     double distance = sqrt(r2), over = r2 > 0.0 ? 1.0 / distance : 0.0, nx = dx * over, ny = dy * over;
     double dvx = v[2 * i] - v[2 * j], dvy = v[2 * i + 1] - v[2 * j + 1];
@@ -133,80 +134,80 @@ DM2_INLINE void near_pair(struct pass *pass, struct lists *l, uint32_t i, uint32
     l->linked[k] = state.linked;
     l->stretch[k] = state.stretch;
     l->spring[k] = state.spring;
-    if (!near_add(&m->fixed, sums, p->pair_sum + SUM_COUNT * j, nx, ny, &effect, spin))
-        note_bad(pass, i, (uint32_t)j); /* and measured no more: its virial would be out of range, too */
+    if (!add_effect(&m->fixed, sums, p->pair_sum + SUM_COUNT * j, nx, ny, &effect, spin))
+        note_bad(pass, i, (uint32_t)j); /* not measured: the virial would be out of range, too */
     else if (measure)
-        near_measure(pass, i, (uint32_t)j, dx, dy, nx, ny, &effect, state.linked);
+        measure_pair(pass, i, (uint32_t)j, dx, dy, nx, ny, &effect, state.linked);
 }
 
-/* One row: the pairs of owned slot i. */
-DM2_INLINE void near_row(struct pass *pass, struct lists *l, uint32_t i, bool measure, bool spin,
-                         bool periodic)
+/* The pairs in the row of owned slot i. */
+DM2_INLINE void evaluate_row(struct pass *pass, struct lists *l, uint32_t i, bool measure, bool spin,
+                             bool periodic)
 {
     int64_t sums[SUM_COUNT] = {0};
     for (uint32_t k = l->near.start[i]; k < l->near.start[i + 1]; k++)
-        near_pair(pass, l, i, k, sums, measure, spin, periodic);
+        evaluate_pair(pass, l, i, k, sums, measure, spin, periodic);
     for (size_t s = 0; s < SUM_COUNT; s++)
         pass->p->pair_sum[SUM_COUNT * (size_t)i + s] += sums[s];
 }
 
-/* The rows of a part, compiled for what each deck needs. */
-DM2_INLINE void near_rows(struct pass *pass, struct lists *l, bool measure, bool spin, bool periodic)
+/* The rows of a part; compiled apart for each combination of the flags that decks need. */
+DM2_INLINE void evaluate_rows(struct pass *pass, struct lists *l, bool measure, bool spin, bool periodic)
 {
     uint32_t first, last;
     lists_rows(l, pass->p, pass->part, &first, &last);
     for (uint32_t i = first; i < last; i++)
-        near_row(pass, l, i, measure, spin, periodic);
+        evaluate_row(pass, l, i, measure, spin, periodic);
 }
 
-DM2_WIDE static void near_measured(struct pass *pass, struct lists *l)
+DM2_WIDE static void evaluate_measured(struct pass *pass, struct lists *l)
 {
-    near_rows(pass, l, true, true, true);
+    evaluate_rows(pass, l, true, true, true);
 }
 
-DM2_WIDE static void near_periodic(struct pass *pass, struct lists *l)
+DM2_WIDE static void evaluate_periodic(struct pass *pass, struct lists *l)
 {
-    near_rows(pass, l, false, true, true);
+    evaluate_rows(pass, l, false, true, true);
 }
 
-DM2_WIDE static void near_spinning(struct pass *pass, struct lists *l)
+DM2_WIDE static void evaluate_spinning(struct pass *pass, struct lists *l)
 {
-    near_rows(pass, l, false, true, false);
+    evaluate_rows(pass, l, false, true, false);
 }
 
-DM2_WIDE static void near_central(struct pass *pass, struct lists *l)
+DM2_WIDE static void evaluate_central(struct pass *pass, struct lists *l)
 {
-    near_rows(pass, l, false, false, false);
+    evaluate_rows(pass, l, false, false, false);
 }
 
-/* What near_wide leaves to the plain path, link by link. */
-static void near_single(struct pass *pass, struct lists *l, uint32_t i, uint32_t k)
+/* The plain path for the links that near_wide leaves to it. */
+static void evaluate_single(struct pass *pass, struct lists *l, uint32_t i, uint32_t k)
 {
-    near_pair(pass, l, i, k, pass->p->pair_sum + SUM_COUNT * (size_t)i, pass->totals != NULL, true, true);
+    evaluate_pair(pass, l, i, k, pass->p->pair_sum + SUM_COUNT * (size_t)i, pass->totals != NULL, true, true);
 }
 
-DM2_INLINE void single_rows(struct pass *pass, struct lists *l, bool measure)
+DM2_INLINE void evaluate_single_rows(struct pass *pass, struct lists *l, bool measure)
 {
     const struct link_list *links = &l->links[pass->part];
     for (size_t s = 0; s < links->n_single; s++) {
         uint32_t i = links->single[s].i;
-        near_pair(pass, l, i, links->single[s].k, pass->p->pair_sum + SUM_COUNT * (size_t)i, measure, true,
-                  true);
+        evaluate_pair(pass, l, i, links->single[s].k, pass->p->pair_sum + SUM_COUNT * (size_t)i, measure,
+                      true, true);
     }
 }
 
-DM2_WIDE static void near_singles(struct pass *pass, struct lists *l)
+DM2_WIDE static void evaluate_singles(struct pass *pass, struct lists *l)
 {
-    single_rows(pass, l, false);
+    evaluate_single_rows(pass, l, false);
 }
 
-DM2_WIDE static void near_singles_measured(struct pass *pass, struct lists *l)
+DM2_WIDE static void evaluate_singles_measured(struct pass *pass, struct lists *l)
 {
-    single_rows(pass, l, true);
+    evaluate_single_rows(pass, l, true);
 }
 
-/* Links in quads, then what stands alone. */
-static void near_sorted(struct pass *pass, struct lists *l)
+/* Links in quads, then the single pairs. */
+static void evaluate_sorted(struct pass *pass, struct lists *l)
 {
     uint32_t first, last;
     lists_rows(l, pass->p, pass->part, &first, &last);
@@ -214,28 +215,28 @@ static void near_sorted(struct pass *pass, struct lists *l)
         link_list_prepare(&l->links[pass->part], &l->near, l->linked, first, last, pass->m, pass->p) != 0;
     if (pass->no_memory)
         return;
-    near_wide(pass, l, near_single);
+    near_wide(pass, l, evaluate_single);
     pulse_beat(&pass->m->pulse);
     if (pass->totals != NULL)
-        near_singles_measured(pass, l);
+        evaluate_singles_measured(pass, l);
     else
-        near_singles(pass, l);
+        evaluate_singles(pass, l);
 }
 
-static void near_evaluate(struct pass *pass, struct lists *l)
+static void evaluate_near(struct pass *pass, struct lists *l)
 {
     const struct model *m = pass->m;
     pulse_beat(&m->pulse);
     if (m->wide_near && !pass->plain)
-        near_sorted(pass, l);
+        evaluate_sorted(pass, l);
     else if (pass->totals != NULL)
-        near_measured(pass, l);
+        evaluate_measured(pass, l);
     else if (m->grid.periodic[0] || m->grid.periodic[1])
-        near_periodic(pass, l);
+        evaluate_periodic(pass, l);
     else if (m->has_spin)
-        near_spinning(pass, l);
+        evaluate_spinning(pass, l);
     else
-        near_central(pass, l);
+        evaluate_central(pass, l);
 }
 
 /* --- one evaluation --- */
@@ -259,9 +260,9 @@ static void clear_sums(const struct pass *pass)
         memset(p->pair_sum, 0, p->n * SUM_COUNT * sizeof *p->pair_sum);
 }
 
-/* All that is left to do. Where measured far pairs leave the range of lanes they begin again: nothing near
- * has been measured by then. */
-static void evaluate(struct pass *pass, struct lists *l)
+/* Evaluates the parts that force_ahead has not. Where measured far pairs leave the range of lanes, their
+ * evaluation starts again with plain loops: no near pair has been measured by then. */
+static void evaluate_parts(struct pass *pass, struct lists *l)
 {
     const struct model *m = pass->m;
     int first = pass->ahead ? PART_EDGE : PART_INSIDE;
@@ -279,12 +280,12 @@ static void evaluate(struct pass *pass, struct lists *l)
     }
     for (int part = first; part < PART_COUNT && m->has_near; part++) {
         pass->part = (enum list_part)part;
-        near_evaluate(pass, l);
+        evaluate_near(pass, l);
     }
 }
 
-static struct pass start(const struct model *m, struct particles *p, double dt_kick, double dt_path,
-                         struct pair_totals *totals)
+static struct pass start_pass(const struct model *m, struct particles *p, double dt_kick, double dt_path,
+                              struct pair_totals *totals)
 {
     struct pass pass = {.m = m,
                         .p = p,
@@ -298,11 +299,12 @@ static struct pass start(const struct model *m, struct particles *p, double dt_k
 }
 
 #ifdef DM2_DEBUG
-/* One array that an evaluation changes: before it, and after the fast paths. */
+/* An array that an evaluation changes, with copies from before the evaluation and from after the fast paths.
+ */
 struct watched {
     void *array, *before, *after;
     size_t bytes;
-    bool result; /* not read by an evaluation */
+    bool result; /* written, not read, by an evaluation */
 };
 
 enum { WATCHED = 7 };
@@ -310,8 +312,9 @@ struct force_check {
     struct watched w[WATCHED];
 };
 
-/* A copy of `bytes` bytes; the debug flavour does without its check where there is no memory. */
-static void *copy_of(const void *from, size_t bytes)
+/* A copy of `bytes` bytes, which the caller frees; NULL without memory: then the debug flavour omits its
+ * check. */
+static void *copy_bytes(const void *from, size_t bytes)
 {
     void *copy = from != NULL ? malloc(bytes + 1) : NULL;
     if (copy != NULL)
@@ -319,8 +322,8 @@ static void *copy_of(const void *from, size_t bytes)
     return copy;
 }
 
-/* Before anything is evaluated: what the memory of pairs is. */
-static void check_start(struct pass *pass, const struct lists *l)
+/* Before an evaluation: copies the memory of the pairs. */
+static void start_check(struct pass *pass, const struct lists *l)
 {
     const struct particles *p = pass->p;
     size_t pairs = pass->m->has_near ? l->near.start[p->n_own] : 0;
@@ -337,10 +340,10 @@ static void check_start(struct pass *pass, const struct lists *l)
         return;
     *pass->check = check;
     for (int k = 0; k < WATCHED; k++)
-        pass->check->w[k].before = copy_of(check.w[k].array, check.w[k].bytes);
+        pass->check->w[k].before = copy_bytes(check.w[k].array, check.w[k].bytes);
 }
 
-static void check_end(struct pass *pass)
+static void end_check(struct pass *pass)
 {
     for (int k = 0; pass->check != NULL && k < WATCHED; k++) {
         free(pass->check->w[k].before);
@@ -350,8 +353,8 @@ static void check_end(struct pass *pass)
     pass->check = NULL;
 }
 
-/* After the fast paths: evaluates again by the plain loops from the same memory. Every bit must agree. */
-static void check_pass(struct pass *pass, struct lists *l)
+/* After the fast paths: evaluates again with the plain loops from the same memory. Every bit must agree. */
+static void check_against_plain(struct pass *pass, struct lists *l)
 {
     struct watched *w = pass->check != NULL ? pass->check->w : NULL;
     struct pair_totals totals = {0};
@@ -362,7 +365,7 @@ static void check_pass(struct pass *pass, struct lists *l)
     plain.totals = pass->totals != NULL ? &totals : NULL;
     bool check = w != NULL && !pass->bad && !pass->no_memory;
     for (int k = 0; k < WATCHED && check; k++) {
-        w[k].after = copy_of(w[k].array, w[k].bytes);
+        w[k].after = copy_bytes(w[k].array, w[k].bytes);
         check = w[k].array == NULL || (w[k].before != NULL && w[k].after != NULL);
     }
     for (int k = 0; k < WATCHED && check; k++) {
@@ -370,28 +373,28 @@ static void check_pass(struct pass *pass, struct lists *l)
             memcpy(w[k].array, w[k].before, w[k].bytes);
     }
     if (check) {
-        evaluate(&plain, l);
+        evaluate_parts(&plain, l);
         assert(memcmp(&plain.potential, &pass->potential, sizeof plain.potential) == 0);
         assert(memcmp(&plain.elastic, &pass->elastic, sizeof plain.elastic) == 0);
         assert(pass->totals == NULL || memcmp(&totals, pass->totals, sizeof totals) == 0);
     }
     for (int k = 0; k < WATCHED; k++)
         assert(!check || w[k].array == NULL || memcmp(w[k].array, w[k].after, w[k].bytes) == 0);
-    check_end(pass);
+    end_check(pass);
 }
 #else
-static void check_start(struct pass *pass, const struct lists *l)
+static void start_check(struct pass *pass, const struct lists *l)
 {
     (void)pass;
     (void)l;
 }
 
-static void check_end(struct pass *pass)
+static void end_check(struct pass *pass)
 {
     (void)pass;
 }
 
-static void check_pass(struct pass *pass, struct lists *l)
+static void check_against_plain(struct pass *pass, struct lists *l)
 {
     (void)pass;
     (void)l;
@@ -401,25 +404,25 @@ static void check_pass(struct pass *pass, struct lists *l)
 void force_ahead(struct pass *pass, const struct model *m, struct particles *p, struct lists *lists,
                  double dt_kick, double dt_path, struct pair_totals *totals)
 {
-    *pass = start(m, p, dt_kick, dt_path, totals);
+    *pass = start_pass(m, p, dt_kick, dt_path, totals);
     if (lists->n_inside == 0 || m->has_kinds || (m->has_far && totals != NULL) ||
         (m->has_near && lists_keep_memory(lists, m->has_spin) != 0))
         return;
-    check_start(pass, lists);
+    start_check(pass, lists);
     pass->ahead = true;
     clear_sums(pass);
     pass->part = PART_INSIDE;
     if (m->has_far)
         far_evaluate(pass, lists);
     if (m->has_near)
-        near_evaluate(pass, lists);
+        evaluate_near(pass, lists);
 }
 
 void force_drop(struct pass *pass, struct lists *lists)
 {
     if (pass->ahead && pass->m->has_near)
         lists_restore_memory(lists, pass->m->has_spin);
-    check_end(pass);
+    end_check(pass);
     pass->ahead = false;
 }
 
@@ -427,11 +430,11 @@ enum dm2_status force_rest(struct pass *pass, struct lists *lists, int64_t step,
 {
     const struct particles *p = pass->p;
     if (p->n == 0)
-        return DM2_OK; /* and perhaps no array to clear */
+        return DM2_OK; /* the arrays may be NULL */
     if (!pass->ahead)
-        check_start(pass, lists);
-    evaluate(pass, lists);
-    check_pass(pass, lists);
+        start_check(pass, lists);
+    evaluate_parts(pass, lists);
+    check_against_plain(pass, lists);
     pass->ahead = false;
     if (pass->no_memory)
         return dm2_fail(err, DM2_MEMORY, "no memory to sort the pairs of %zu elements", p->n_own);
@@ -453,6 +456,6 @@ enum dm2_status force_evaluate(const struct model *m, struct particles *p, struc
                                double dt_kick, double dt_path, struct pair_totals *totals, int64_t step,
                                struct dm2_error *err)
 {
-    struct pass pass = start(m, p, dt_kick, dt_path, totals);
+    struct pass pass = start_pass(m, p, dt_kick, dt_path, totals);
     return force_rest(&pass, lists, step, err);
 }

@@ -1,10 +1,10 @@
-/* Drawing the inner list: one pass over the far list, four pairs at a time, which keeps those within the
+/* Drawing the inner list: one pass over the far list, four pairs at a time, that keeps the pairs within the
  * smaller margin.
  *
- * The list is valid while no element, owned or mirrored, is further than half the margin from where it was:
- * then no pair that was left out can have come within the cutoff. Where elements are so fast that this lasts
- * only a few steps, drawing would cost more than it saves, and the next list keeps the whole far list until
- * the next rebuild. */
+ * Invariant: the list is valid while no element, owned or mirrored, is further than half the margin from its
+ * position at the drawing; until then no omitted pair can come within the cutoff. Where elements are so fast
+ * that a drawing lasts only a few steps, drawings cost more than they save, and the next list keeps the whole
+ * far list until the next rebuild. */
 #include "inner.h"
 
 #include <math.h>
@@ -18,10 +18,10 @@
 
 /* Share of dR that the inner list reaches beyond the cutoff (measured: docs/performance.md). */
 static const double margin_share = 0.5;
-/* Evaluations that a drawing must serve to be worth its cost. */
+/* Evaluations that a drawing must outlast to save more than its cost. */
 static const int worth = 3;
 
-/* The far list whole, in quads. */
+/* The whole far list, in quads. */
 static void take_all(struct inner_list *inner, const struct half_list *far, const struct inner_part *part)
 {
     for (size_t i = part->first; i < part->last; i++) {
@@ -33,7 +33,7 @@ static void take_all(struct inner_list *inner, const struct half_list *far, cons
     }
 }
 
-/* The pairs within `reach`. Lanes are written one after the other and the cursor moves on where a pair is
+/* The pairs within `reach`, cm. Each pair is written at the cursor, which advances only where the pair is
  * kept. */
 DM2_WIDE static void take_near(struct inner_list *inner, const struct half_list *far,
                                const struct inner_part *part, const struct particles *p, double reach,
@@ -57,7 +57,7 @@ DM2_WIDE static void take_near(struct inner_list *inner, const struct half_list 
             simd_int kept = dx * dx + dy * dy <= reach2;
             for (int c = 0; c < SIMD_LANES; c++) {
                 q->j[lane] = j[c];
-                lane -= (size_t)kept[c]; /* a lane that holds is -1 */
+                lane -= (size_t)kept[c]; /* a true lane is -1 */
                 if (lane == SIMD_LANES) {
                     q = &inner->quad[++n];
                     q->i = 2 * (uint32_t)i;
@@ -74,10 +74,10 @@ DM2_WIDE static void take_near(struct inner_list *inner, const struct half_list 
     inner->n = n;
 }
 
-/* Greatest squared distance from the positions of the last drawing. (A pair's lower slot is in the part's
- * rows.) */
-static double moved2(const struct inner_list *inner, const struct inner_part *part, const struct particles *p,
-                     const struct period *period)
+/* Greatest squared distance from the positions of the last drawing, cm2. (The lower slot of each pair is in
+ * the rows of the part, so slots from part->first on are enough.) */
+static double find_moved2(const struct inner_list *inner, const struct inner_part *part,
+                          const struct particles *p, const struct period *period)
 {
     const double *r = p->r + 2 * part->first, *was = inner->drawn;
     double most = 0.0;
@@ -90,7 +90,7 @@ static double moved2(const struct inner_list *inner, const struct inner_part *pa
     return most;
 }
 
-static int reserve(struct inner_list *inner, size_t pairs, size_t n)
+static int reserve_quads(struct inner_list *inner, size_t pairs, size_t n)
 {
     struct far_quad *quad = mem_grown(inner->quad, &inner->cap, 0, pairs / SIMD_LANES + 2, sizeof *quad);
     if (quad == NULL)
@@ -110,13 +110,14 @@ int inner_list_prepare(struct inner_list *inner, const struct half_list *far, co
     size_t slots = part->beyond - part->first;
     inner->served++;
     if (inner->valid) {
-        if (isinf(inner->margin) || moved2(inner, part, p, period) <= 0.25 * (inner->margin * inner->margin))
+        if (isinf(inner->margin) ||
+            find_moved2(inner, part, p, period) <= 0.25 * (inner->margin * inner->margin))
             return 0;
         inner->margin = inner->served > worth ? margin_share * reach_more : INFINITY;
     } else {
         inner->margin = margin_share * reach_more;
     }
-    if (reserve(inner, far->start[part->last] - far->start[part->first], slots) != 0)
+    if (reserve_quads(inner, far->start[part->last] - far->start[part->first], slots) != 0)
         return -1;
     inner->n = 0;
     inner->served = 0;

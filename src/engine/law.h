@@ -1,14 +1,15 @@
-/* The pair law: what two elements do to each other. One documented function per part, apart from how pairs
- * are found and summed (engine/force.h).
+/* The pair law: the forces, torques and heats that two elements exert on each other, a function for each
+ * part. How pairs are found and their effects summed: engine/force.h.
  *
  * Signs: n points from the partner j to i, t = (-n_y, n_x); a normal force f > 0 pushes apart; forces are
- * those on i, and j gets the opposite. Everything here is antisymmetric bit for bit: with i and j exchanged,
- * n, t and the relative velocity change sign exactly, and every other quantity enters through sums, products,
- * minima of two, which commute in IEEE arithmetic. So both servers that evaluate a pair across their boundary
- * get the same numbers, whichever element each takes for i. (2 a b is written 2 (a b): products of three do
- * not commute.)
+ * those on i, and j gets the opposite.
  *
- * Source: paper, section 2.3 (capabilities) and 4 (status); docs/physics.md has the equations. */
+ * The law is antisymmetric bit for bit: with i and j exchanged, n, t and the relative velocity change sign
+ * exactly, and all other quantities enter through sums, products and minima of two, which commute in IEEE
+ * arithmetic. So two servers that evaluate a pair across their boundary get the same numbers, whichever
+ * element each takes for i. (2 a b is written 2 (a b), because products of three do not commute.)
+ *
+ * Source: paper, sections 2.3 (capabilities) and 4 (status); equations: docs/physics.md. */
 #ifndef DM2_ENGINE_LAW_H
 #define DM2_ENGINE_LAW_H
 
@@ -20,16 +21,16 @@
 #include "dm2/base/simd.h"
 #include "dm2/deck/config.h"
 
-/* What a law is for one contact distance r0: constants that the pair loop would otherwise divide for. */
+/* The constants of a law at one contact distance r0, which spare the pair loop its divisions. */
 struct bond {
-    double r0;            /* cm; 0: not worked out */
+    double r0;            /* cm; 0: the pair's r0 is not known beforehand, so there are no constants */
     double over_r0;       /* 1/r0 */
     double forms, breaks; /* link_form r0, link_break r0, cm */
     double area;          /* A = r0/sqrt(3) h, the facet of the hexagon, cm2 */
     double alpha;         /* Morse: shape/r0, 1/cm */
     double force, energy; /* the potential's prefactors: Morse k/alpha and k/(2 alpha^2); quadratic k and k/2;
                            * Lennard-Jones k r0^2/6 and k r0^2/72 */
-    double peak;          /* length of the strongest attraction, cm; infinite: it never falls */
+    double peak;          /* length of the strongest attraction, cm; infinite: the attraction never falls */
 };
 
 /* One law per ordered pair of kinds and relation; law(b, a) is law(a, b) with strengths and yields exchanged.
@@ -37,35 +38,33 @@ struct bond {
 struct pair_law {
     enum potential_kind potential;
     enum scope_kind scope;
-    bool near; /* does anything beyond a potential of scope `all`: it needs contact status and memory */
+    bool near;         /* more than a potential of scope `all`: pairs need contact status and memory */
     bool initial_link; /* lattice neighbours start linked */
-    bool wide;         /* linked pairs may be taken four at a time: Morse, bond worked out */
+    bool wide;         /* linked pairs may be taken four at a time: Morse, with the constants in `bond` */
     bool tangential;   /* any of kt, c_t, mu acts */
     double k;          /* stiffness at r0, Mbar cm */
     double shape;      /* Morse: alpha r0 */
     double eps12;      /* Lennard-Jones of plain eps, sigma: 12 eps; else 0 */
-    double strength;   /* there: eps12/rm2, Mbar cm */
-    double rm2;        /* there: square of the distance of zero force, 2^(1/3) sigma^2, cm2 */
+    double strength;   /* where eps12 > 0: eps12/rm2, Mbar cm */
+    double rm2;        /* where eps12 > 0: square of the distance of zero force, 2^(1/3) sigma^2, cm2 */
     double cutoff2;    /* scope all: square of the cutoff, cm2; 0 otherwise */
-    double
-        u_cut; /* scope all, plain Lennard-Jones: potential at the cutoff, taken off so that it ends at 0 */
-    double r2_least; /* there: below this r^2 the force leaves the range of the far sums, cm2 */
+    double u_cut;      /* scope all and eps12 > 0: potential at the cutoff, which ends the potential at 0 */
+    double r2_least; /* scope all and eps12 > 0: below this r^2 the force leaves the range of far sums, cm2 */
     double cn, ct;   /* c_n and c_t over sqrt(m_eff) */
-    double cn_mass,
-        ct_mass; /* the same with the m_eff of the kinds, where their elements all have one mass; else -1 */
+    double cn_mass, ct_mass;    /* c_n and c_t where all elements of each kind have one mass; else -1 */
     double a_p, a_t;            /* change of c_n with P and T */
     double t0_mean;             /* K, reference of a_t */
     double kt_link, kt_contact; /* tangential stiffness, Mbar cm */
     double mu;
     double yield_i, yield_j;      /* Y of i's and of j's side at T0, Mbar; infinite: elastic */
-    double tensile_i, tensile_j;  /* Yt0 likewise */
+    double tensile_i, tensile_j;  /* Yt0 of i's and of j's side, Mbar; infinite: elastic */
     double link_form, link_break; /* in r0 */
-    double radius_i, radius_j;    /* cm; where all elements of the two kinds have one radius each */
-    struct bond bond;             /* there; else r0 = 0 */
+    double radius_i, radius_j;    /* cm; where all elements of each kind have one radius */
+    struct bond bond;             /* the constants for radius_i + radius_j; else r0 = 0 */
     double conduction;            /* kappa_ij times the conductance factor, g cm/us3/K */
 };
 
-/* What the law needs to see of a pair. */
+/* The quantities of a pair that enter the law. */
 struct pair_view {
     double r, over_r;          /* distance of the centres, cm, and its reciprocal */
     double radius_i, radius_j; /* cm */
@@ -84,11 +83,11 @@ struct pair_state {
     double spring;  /* tangential spring s, cm */
 };
 
-/* What the law gives. */
+/* The effect of a pair on its two elements in one step. */
 struct pair_effect {
     bool contacting;
     double fn, ft;       /* total force on i along n and t, Mbar cm2; without the potential of scope `all` */
-    double fdn, fdt;     /* the part of them that is damping */
+    double fdn, fdt;     /* damping parts of fn and ft */
     double arm_i, arm_j; /* lever arms of ft, cm: the torque on i is -arm_i ft, on j -arm_j ft */
     double heat;         /* freed at once by slip, yield and breaking, g cm2/us2 */
     double heat_damped;  /* lagged damping heat of this step */
@@ -103,8 +102,7 @@ static inline double law_lesser(double a, double b)
 
 /* --- central potentials --- */
 
-/* The constants of a law at contact distance r0 (docs/physics.md, section 3). Below, x is the bond length r -
- * e. */
+/* The constants of a law at contact distance r0 (docs/physics.md, section 3). */
 static inline struct bond law_bond(const struct pair_law *law, double r0)
 {
     struct bond b = {.r0 = r0,
@@ -130,7 +128,7 @@ static inline struct bond law_bond(const struct pair_law *law, double r0)
     return b;
 }
 
-/* Force, and energy with its zero at r0, of the potential at bond length x:
+/* Force, and energy with its zero at r0, of the potential at bond length x = r - e:
  *   Morse          f = 2 D alpha (E^2 - E), u = D (1 - E)^2, E = exp(-alpha (x - r0)), D = k/(2 alpha^2)
  *   quadratic      f = -k (x - r0), u = k (x - r0)^2/2
  *   Lennard-Jones  f = (12 eps/x)((r0/x)^12 - (r0/x)^6), u = eps ((r0/x)^6 - 1)^2, eps = k r0^2/72 */
@@ -151,21 +149,21 @@ DM2_INLINE double bond_force(const struct pair_law *law, const struct bond *b, d
     return b->force * (q6 * q6 - q6) * over_x;
 }
 
-/* The same for a contact distance that has no constants yet. */
+/* bond_force for a contact distance r0 whose constants are not at hand. */
 static inline double potential_force(const struct pair_law *law, double x, double r0, double *energy)
 {
     struct bond b = law_bond(law, r0);
     return bond_force(law, &b, x, energy);
 }
 
-/* The bond length beyond r0 at which the attraction reaches `cap` (tension = true), or below r0 at which the
- * repulsion does: xi_t and xi_c of docs/physics.md, section 4. Infinite, or 0, where it never does. Only
- * called where a bond yields. Exact for Morse and quadratic; for Lennard-Jones by bisection to the last bit.
- */
+/* xi_t of docs/physics.md, section 4: the bond length, cm, beyond r0 at which the attraction reaches `cap`,
+ * Mbar cm2 (tension = true), infinite where no attraction does; or xi_c: the length below r0 at which the
+ * repulsion reaches `cap`, 0 where no repulsion does. Exact for Morse and quadratic; for Lennard-Jones by
+ * bisection to the last bit. Only called where a bond yields. */
 double law_yield_length(const struct pair_law *law, double r0, double cap, bool tension);
 
-/* True when a bond of length x pulls with more than `cap`. `force` is the potential's at x. On the falling
- * branch of the potential, beyond its strongest attraction, a bond that may yield has yielded. */
+/* True when a bond of length x pulls with more than `cap`. `force`: of the potential at x. A bond that may
+ * yield has yielded beyond the strongest attraction, on the falling branch of the potential. */
 DM2_INLINE bool law_pulls_too_hard(const struct pair_law *law, const struct bond *b, double x, double force,
                                    double cap)
 {
@@ -174,9 +172,9 @@ DM2_INLINE bool law_pulls_too_hard(const struct pair_law *law, const struct bond
 
 /* --- the parts of the law --- */
 
-/* Status (paper, section 4): a contact follows from the positions, a link has memory. Breaking and the end of
- * a contact free the energy of the bond and of its spring. False: the pair is neither linked nor in contact.
- */
+/* Status (paper, section 4): a contact follows from the positions, a link has memory. A link that breaks
+ * frees the energy of its bond and its spring, a contact that ends the energy of its spring. False: the pair
+ * is neither linked nor in contact, so no force acts. */
 DM2_INLINE bool law_status(const struct pair_law *law, const struct bond *bond, double r,
                            struct pair_state *s, struct pair_effect *out)
 {
@@ -203,7 +201,8 @@ DM2_INLINE bool law_status(const struct pair_law *law, const struct bond *bond, 
     return false;
 }
 
-/* The central force f of the bond, with yield in tension, and its energy. */
+/* Returns the central force f of the bond, with yield in tension; 0 where the potential has scope `all`. Sets
+ * the potential energy. */
 DM2_INLINE double law_central(const struct pair_law *law, const struct bond *bond, const struct pair_view *p,
                               struct pair_state *s, struct pair_effect *out)
 {
@@ -230,7 +229,8 @@ DM2_INLINE double law_central(const struct pair_law *law, const struct bond *bon
     return f;
 }
 
-/* Central damping: fn = f + fdn; an unlinked contact never pulls. Returns c_t, Mbar us cm. */
+/* Central damping, fdn, and the sum fn = f + fdn; an unlinked contact never pulls. Returns c_t, which has the
+ * same effective mass, Mbar us cm. */
 DM2_INLINE double law_damping(const struct pair_law *law, const struct pair_view *p, bool linked, double f,
                               struct pair_effect *out)
 {
@@ -251,9 +251,10 @@ DM2_INLINE double law_damping(const struct pair_law *law, const struct pair_view
     return ct;
 }
 
-/* Tangential: a spring, elastic-perfectly-plastic in a link and with Coulomb's cap in a contact; viscosity.
- * A link holds Y A: the lattice's resistance to shear is then Y/2 along its rows and Y/sqrt(3) midway between
- * them (docs/physics.md, section 6), the shear strengths of Tresca and von Mises. */
+/* The tangential force: a spring, elastic-perfectly-plastic in a link and with Coulomb's cap in a contact,
+ * and viscosity; with the arms, the elastic energy and the heat. ct: c_t, from law_damping. The spring of a
+ * link has the cap Y A: the lattice's resistance to shear is then Y/2 along its rows and Y/sqrt(3) midway
+ * between them (docs/physics.md, section 6), the shear strengths of Tresca and von Mises. */
 DM2_INLINE void law_tangential(const struct pair_law *law, const struct bond *bond, const struct pair_view *p,
                                double ct, double dt_kick, double dt_path, struct pair_state *s,
                                struct pair_effect *out)
@@ -281,10 +282,10 @@ DM2_INLINE void law_tangential(const struct pair_law *law, const struct bond *bo
     out->heat_damped -= fdt * vt * dt_kick;
 }
 
-/* The whole law: updates the pair's memory and fills *out.
- * dt_kick: the time over which this evaluation's forces act (dt, or dt/2 in step 0); dt_path: the time since
- * the positions of the last evaluation (dt, or 0 in step 0), us. Depth h = 1 cm. Conduction is Fourier's:
- * Q = kappa (A/r)(T_j - T_i) dt. */
+/* The whole law: updates the memory *s of the pair and fills *out.
+ * dt_kick: the time over which this evaluation's forces act (dt, or dt/2 in step 0), us; dt_path: the time
+ * since the positions of the last evaluation (dt, or 0 in step 0), us. Depth h = 1 cm. Conduction is
+ * Fourier's: Q = kappa (A/r)(T_j - T_i) dt. */
 DM2_INLINE void pair_interact(const struct pair_law *law, const struct pair_view *p, double dt_kick,
                               double dt_path, struct pair_state *s, struct pair_effect *out)
 {
@@ -298,7 +299,7 @@ DM2_INLINE void pair_interact(const struct pair_law *law, const struct pair_view
     if (law->tangential)
         law_tangential(law, &bond, p, ct, dt_kick, dt_path, s, out);
     out->heat_damped -=
-        out->fdn * p->vn * dt_kick; /* after the tangential part: the bits depend on the order */
+        out->fdn * p->vn * dt_kick; /* behind the tangential one: the bits depend on the order */
     out->exchange = law->conduction * (bond.area * p->over_r) * (p->t_j - p->t_i) * dt_kick;
 }
 

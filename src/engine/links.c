@@ -1,6 +1,6 @@
 /* Sorting near pairs by their law: count, lay out, fill. Rows keep their order within a law, so neighbours in
- * the list are neighbours in space; and laws follow each other chunk by chunk, so that elements are still in
- * the cache when the next law needs them. */
+ * the list are neighbours in space; and laws alternate chunk by chunk, so that elements are still in the
+ * cache when the next law needs them. */
 #include "links.h"
 
 #include <stdlib.h>
@@ -11,10 +11,10 @@
 #include "particles.h"
 #include "tables.h"
 
-/* The law of entry k of row i where it goes into a quad, else NULL. */
-static const struct pair_law *quad_law(const struct half_list *near, const uint8_t *linked,
-                                       const struct model *m, const struct particles *p, uint32_t i,
-                                       uint32_t k)
+/* The law of entry k of row i if the pair belongs in a quad, else NULL. */
+static const struct pair_law *find_quad_law(const struct half_list *near, const uint8_t *linked,
+                                            const struct model *m, const struct particles *p, uint32_t i,
+                                            uint32_t k)
 {
     uint32_t j = near->j[k];
     if (!linked[k])
@@ -23,10 +23,11 @@ static const struct pair_law *quad_law(const struct half_list *near, const uint8
     return law->wide && p->radius[i] == law->radius_i && p->radius[j] == law->radius_j ? law : NULL;
 }
 
-enum { CHUNK = 2048 }; /* rows: some 300 KB of their state and sums, and those of their neighbours */
+enum { CHUNK = 2048 }; /* rows; the state and sums of their elements and neighbours are some 300 KB */
 
-/* Room for what the counted pairs need: n of each group is the number of its links. */
-static int lay_out(struct link_list *links, size_t pairs)
+/* Turns the n of each group from links to quads and gets room for the quads and the single ones of all
+ * `pairs`. 0, or -1 without memory. */
+static int lay_out_groups(struct link_list *links, size_t pairs)
 {
     size_t quads = 0;
     for (size_t a = 0; a < links->n_groups; a++) {
@@ -62,13 +63,13 @@ static int sort_pairs(struct link_list *links, const struct half_list *near, con
     for (uint32_t i = first; i < last; i++) {
         struct link_group *group = &groups[(i - first) / CHUNK * n_laws];
         for (uint32_t k = near->start[i]; k < near->start[i + 1]; k++) {
-            const struct pair_law *law = quad_law(near, linked, m, p, i, k);
+            const struct pair_law *law = find_quad_law(near, linked, m, p, i, k);
             if (law != NULL)
                 group[law - m->laws].n++;
         }
     }
     size_t *placed = mem_zalloc(n_laws, sizeof *placed);
-    if (placed == NULL || lay_out(links, near->start[last] - near->start[first]) != 0) {
+    if (placed == NULL || lay_out_groups(links, near->start[last] - near->start[first]) != 0) {
         free(placed);
         return -1;
     }
@@ -78,7 +79,7 @@ static int sort_pairs(struct link_list *links, const struct half_list *near, con
         if ((i - first) % CHUNK == 0)
             memset(placed, 0, n_laws * sizeof *placed);
         for (uint32_t k = near->start[i]; k < near->start[i + 1]; k++) {
-            const struct pair_law *law = quad_law(near, linked, m, p, i, k);
+            const struct pair_law *law = find_quad_law(near, linked, m, p, i, k);
             size_t a = law != NULL ? (size_t)(law - m->laws) : 0;
             if (law == NULL || placed[a] == SIMD_LANES * group[a].n) {
                 links->single[links->n_single++] = (struct single_pair){i, k};

@@ -1,10 +1,10 @@
-/* Building the neighbour lists, from cells or from all pairs (config search = lists; the paper's Fig. 4), or,
- * where a deck has near pairs only, from bins finer than the cells.
+/* Building the neighbour lists: from cells, from all pairs (config search = lists; the paper's Fig. 4), or,
+ * for decks with near pairs only, from bins finer than the cells.
  *
- * A cell's elements meet the later ones of their own cell, those of the later own cells around it and those
- * of the mirrored cells around it: every pair that has an owned element is met exactly once, from its lower
- * slot. Lists hold the same pairs whatever the search; only the order in a row differs, and no sum depends on
- * order. */
+ * The elements of a cell meet the later elements of their own cell, the elements of the later own cells
+ * around the cell and the elements of the mirrored cells around the cell. Invariant: every pair with an owned
+ * element is met exactly once, from its lower slot. All three searches find the same pairs; only the order in
+ * a row differs, and no sum depends on order. */
 #include "lists.h"
 
 #include <math.h>
@@ -16,7 +16,8 @@
 #include "flaws.h"
 #include "periodic.h"
 
-/* A link starts where lattice neighbours touch, give or take rounding of the deck's spacings. */
+/* Lattice neighbours closer than this times r0 start linked: contact, with a tolerance for rounded spacings.
+ */
 static const double initial_reach = 1.02;
 
 struct builder {
@@ -24,24 +25,23 @@ struct builder {
     const struct model *m;
     const struct particles *p;
     bool initial;
-    double far_reach2, near_reach2; /* cm2; the second bounds every pair's own */
+    double far_reach2, near_reach2; /* cm2; near_reach2 is at least the reach of every pair */
     struct period period;
-    uint32_t row; /* the owned slot whose row is being filled */
     size_t far_count, near_count;
-    uint32_t close_a, close_b; /* an overlapping pair, if any */
+    uint32_t close_a, close_b; /* the first overlapping pair, if `overlap` */
     bool overlap;
 };
 
-/* Lists are the largest arrays there are: they grow by an eighth, from what a lattice needs. */
+/* Lists are the largest arrays of the program: they grow by an eighth, from the size that a lattice needs. */
 enum { FAR_GUESS = 10, NEAR_GUESS = 3 }; /* entries per owned element */
 
-static size_t list_room(size_t cap, size_t need, size_t guess)
+static size_t choose_room(size_t cap, size_t need, size_t guess)
 {
     size_t least = cap == 0 ? guess : cap + cap / 8;
     return need <= cap ? cap : need > least ? need : least;
 }
 
-static int list_reserve_rows(struct half_list *list, size_t rows)
+static int reserve_rows(struct half_list *list, size_t rows)
 {
     uint32_t *start = mem_grown(list->start, &list->row_cap, 0, rows + 1, sizeof *start);
     if (start == NULL)
@@ -50,8 +50,8 @@ static int list_reserve_rows(struct half_list *list, size_t rows)
     return 0;
 }
 
-/* Moves an array's first `used` items into room for `cap`. */
-static int list_move(void **block, size_t used, size_t cap, size_t size)
+/* Moves the first `used` items of an array into room for `cap`. */
+static int move_array(void **block, size_t used, size_t cap, size_t size)
 {
     void *grown = mem_alloc(cap, size);
     if (grown == NULL)
@@ -63,35 +63,35 @@ static int list_move(void **block, size_t used, size_t cap, size_t size)
     return 0;
 }
 
-static int far_reserve(struct half_list *list, size_t used, size_t more, size_t guess)
+static int reserve_far(struct half_list *list, size_t used, size_t more, size_t guess)
 {
     void *j = list->j;
-    size_t cap = list_room(list->cap, used + more, guess);
+    size_t cap = choose_room(list->cap, used + more, guess);
     if (cap == list->cap)
         return 0;
-    if (list_move(&j, used, cap, sizeof *list->j) != 0)
+    if (move_array(&j, used, cap, sizeof *list->j) != 0)
         return -1;
     list->j = j;
     list->cap = cap;
     return 0;
 }
 
-static int near_reserve(struct lists *l, size_t used, size_t more, size_t guess)
+static int reserve_near(struct lists *l, size_t used, size_t more, size_t guess)
 {
-    size_t cap = list_room(l->memory_cap, used + more, guess);
+    size_t cap = choose_room(l->memory_cap, used + more, guess);
     if (cap == l->memory_cap)
         return 0;
     void *j = l->near.j, *linked = l->linked, *stretch = l->stretch, *spring = l->spring;
-    int status = list_move(&j, used, cap, sizeof *l->near.j);
+    int status = move_array(&j, used, cap, sizeof *l->near.j);
     l->near.j = j;
     if (status == 0)
-        status = list_move(&linked, used, cap, sizeof *l->linked);
+        status = move_array(&linked, used, cap, sizeof *l->linked);
     l->linked = linked;
     if (status == 0)
-        status = list_move(&stretch, used, cap, sizeof *l->stretch);
+        status = move_array(&stretch, used, cap, sizeof *l->stretch);
     l->stretch = stretch;
     if (status == 0)
-        status = list_move(&spring, used, cap, sizeof *l->spring);
+        status = move_array(&spring, used, cap, sizeof *l->spring);
     l->spring = spring;
     if (status == 0)
         l->memory_cap = l->near.cap = cap;
@@ -108,7 +108,7 @@ static void add_near(struct builder *b, uint32_t j, bool linked, double stretch,
     l->spring[at] = spring;
 }
 
-static bool link_missing(const struct builder *b, uint32_t i, uint32_t j)
+static bool is_link_missing(const struct builder *b, uint32_t i, uint32_t j)
 {
     const struct particles *p = b->p;
     struct link_end ends[2] = {{p->id[i], p->body[i], p->r + 2 * i}, {p->id[j], p->body[j], p->r + 2 * j}};
@@ -118,7 +118,7 @@ static bool link_missing(const struct builder *b, uint32_t i, uint32_t j)
     return flaws_miss(b->m->config, ends[0], ends[1], apart);
 }
 
-/* Is the pair worth a near entry, and does it start linked? */
+/* Adds a near entry for the pair if it needs one, linked if it starts so; notes an overlap. */
 static void consider_near(struct builder *b, uint32_t i, uint32_t j, double r2)
 {
     const struct particles *p = b->p;
@@ -133,27 +133,26 @@ static void consider_near(struct builder *b, uint32_t i, uint32_t j, double r2)
     if (!law->near)
         return;
     bool linked = b->initial && law->initial_link && r2 <= (initial_reach * r0) * (initial_reach * r0) &&
-                  !link_missing(b, i, j);
-    /* Between grains neighbours are as far apart as the boundary left them: their links start without force.
-     */
+                  !is_link_missing(b, i, j);
+    /* The boundary sets the distance of neighbours in two grains: their links start without force. */
     double stretch = linked && relation == RELATION_OTHER_GRAIN ? sqrt(r2) - r0 : 0.0;
     if (linked || r2 <= reach * reach)
         add_near(b, j, linked, stretch, 0.0);
 }
 
-/* Room for one more row that may meet `candidates` elements. */
+/* Room for one more row that meets at most `candidates` elements. */
 static int reserve_row(struct builder *b, size_t candidates)
 {
     size_t n = b->p->n_own;
     if (b->m->has_far &&
-        far_reserve(&b->lists->far, b->far_count, candidates + SIMD_LANES, FAR_GUESS * n) != 0)
+        reserve_far(&b->lists->far, b->far_count, candidates + SIMD_LANES, FAR_GUESS * n) != 0)
         return -1;
-    if (b->m->has_near && near_reserve(b->lists, b->near_count, candidates, NEAR_GUESS * n) != 0)
+    if (b->m->has_near && reserve_near(b->lists, b->near_count, candidates, NEAR_GUESS * n) != 0)
         return -1;
     return 0;
 }
 
-static inline double distance2(const struct builder *b, uint32_t i, uint32_t j, bool periodic)
+static inline double find_distance2(const struct builder *b, uint32_t i, uint32_t j, bool periodic)
 {
     const double *r = b->p->r;
     double dx = r[2 * i] - r[2 * j], dy = r[2 * i + 1] - r[2 * j + 1];
@@ -164,16 +163,16 @@ static inline double distance2(const struct builder *b, uint32_t i, uint32_t j, 
     return dx * dx + dy * dy;
 }
 
-static inline void meet(struct builder *b, uint32_t i, uint32_t j)
+static inline void meet_pair(struct builder *b, uint32_t i, uint32_t j)
 {
-    double r2 = distance2(b, i, j, true);
+    double r2 = find_distance2(b, i, j, true);
     if (r2 <= b->far_reach2)
         b->lists->far.j[b->far_count++] = 2 * j;
     if (r2 <= b->near_reach2)
         consider_near(b, i, j, r2);
 }
 
-static int row_from_cells(struct builder *b, const struct cells *cells, int own, uint32_t i)
+static int fill_row_from_cells(struct builder *b, const struct cells *cells, int own, uint32_t i)
 {
     size_t candidates = cells->start[own + 1] - i;
     for (uint32_t k = cells->ring_start[own]; k < cells->ring_start[own + 1]; k++) {
@@ -185,24 +184,24 @@ static int row_from_cells(struct builder *b, const struct cells *cells, int own,
     if (reserve_row(b, candidates) != 0)
         return -1;
     for (uint32_t j = i + 1; j < cells->start[own + 1]; j++)
-        meet(b, i, j);
+        meet_pair(b, i, j);
     for (uint32_t k = cells->ring_start[own]; k < cells->ring_start[own + 1]; k++) {
         int32_t c = cells->ring[k];
         if (c < cells->n_own) {
             for (uint32_t j = cells->start[c]; j < cells->start[c + 1]; j++)
-                meet(b, i, j);
+                meet_pair(b, i, j);
         } else {
             c -= cells->n_own;
             for (uint32_t s = cells->mirror_start[c]; s < cells->mirror_start[c + 1]; s++)
-                meet(b, i, cells->mirror_slot[s]);
+                meet_pair(b, i, cells->mirror_slot[s]);
         }
     }
     return 0;
 }
 
-/* The bins around and with bin `at`, as ranges of bins that lie side by side; writes first and last of up
- * to 9. */
-static int bin_ranges(const struct grid *g, int at, int first[9], int last[9])
+/* Bin `at` and the bins around it, as ranges of adjacent bins: writes first and last of up to 9, returns how
+ * many. */
+static int find_bin_ranges(const struct grid *g, int at, int first[9], int last[9])
 {
     int i = at % g->cx, j = at / g->cx, count = 0;
     bool seam =
@@ -221,8 +220,8 @@ static int bin_ranges(const struct grid *g, int at, int first[9], int last[9])
     return count;
 }
 
-/* Bins for the near pairs of a deck without others. False where cells serve as well. */
-static bool bins_serve(struct builder *b)
+/* Lays out bins for a deck with near pairs only. False where cells are as good. */
+static bool lay_out_bins(struct builder *b)
 {
     const struct grid *cells = &b->m->grid, *g = &b->lists->bins.grid;
     return b->m->config->search == SEARCH_CELLS_AND_LISTS && !b->m->has_far &&
@@ -231,17 +230,17 @@ static bool bins_serve(struct builder *b)
            (g->cx == 1 || g->lx < 0.6 * cells->lx) && (g->cy == 1 || g->ly < 0.6 * cells->ly);
 }
 
-/* Near pairs alone, from bins: the later slots in the bin of i and in those around it. Those in reach are
- * written where the row's entries will stand, without a branch, and then looked at one by one; entries never
- * overtake them. */
-DM2_INLINE int row_from_bins(struct builder *b, uint32_t i, bool periodic)
+/* Near pairs only, from bins: the later slots in the bin of i and in the bins around it. Slots within reach
+ * are written, without a branch, into the room of the row's entries, and then considered one by one; the
+ * entries never overtake the slots still to consider. */
+DM2_INLINE int fill_row_from_bins(struct builder *b, uint32_t i, bool periodic)
 {
     const struct bins *bins = &b->lists->bins;
-    int first[9], last[9], n = bin_ranges(&bins->grid, (int)bins->bin[i], first, last);
+    int first[9], last[9], n = find_bin_ranges(&bins->grid, (int)bins->bin[i], first, last);
     size_t candidates = 0;
     for (int q = 0; q < n; q++)
         candidates += bins->start[last[q] + 1] - bins->start[first[q]];
-    if (near_reserve(b->lists, b->near_count, candidates, NEAR_GUESS * b->p->n_own) != 0)
+    if (reserve_near(b->lists, b->near_count, candidates, NEAR_GUESS * b->p->n_own) != 0)
         return -1;
     uint32_t *found = b->lists->near.j + b->near_count;
     size_t count = 0;
@@ -249,35 +248,34 @@ DM2_INLINE int row_from_bins(struct builder *b, uint32_t i, bool periodic)
         for (uint32_t s = bins->start[first[q]]; s < bins->start[last[q] + 1]; s++) {
             uint32_t j = bins->slot[s];
             found[count] = j;
-            count += (j > i) & (distance2(b, i, j, periodic) <= b->near_reach2);
+            count += (j > i) & (find_distance2(b, i, j, periodic) <= b->near_reach2);
         }
     }
     for (size_t k = 0; k < count; k++)
-        consider_near(b, i, found[k], distance2(b, i, found[k], periodic));
+        consider_near(b, i, found[k], find_distance2(b, i, found[k], periodic));
     return 0;
 }
 
-static int row_from_all(struct builder *b, uint32_t i)
+static int fill_row_from_all(struct builder *b, uint32_t i)
 {
-    /* Reserved for the pairs that are found, not for the n that are looked at. */
     for (uint32_t j = i + 1; j < b->p->n; j++) {
-        if ((j - i) % 1024 == 1 && reserve_row(b, 1024) != 0)
+        if ((j - i) % 1024 == 1 &&
+            /* room for the pairs found, not for all n candidates */ reserve_row(b, 1024) != 0)
             return -1;
-        meet(b, i, j);
+        meet_pair(b, i, j);
     }
     return 0;
 }
 
-/* Fills the row up to a multiple of four with slot n, which lies far from everything. */
+/* Fills the row up to a multiple of four with slot n, which is far from all elements. */
 static void pad_row(struct builder *b)
 {
     while (b->far_count % SIMD_LANES != 0)
         b->lists->far.j[b->far_count++] = 2 * (uint32_t)b->p->n;
 }
 
-/* Gives the memory that row i carries over to its entries; a linked pair out of reach of contact gets its
- * own. */
-static int remember(struct builder *b, uint32_t i)
+/* Gives the carried memory of row i to its entries; a carried pair without an entry gets a new one. */
+static int recall_memory(struct builder *b, uint32_t i)
 {
     struct lists *l = b->lists;
     for (uint32_t k = l->rows[i]; k < l->rows[i + 1]; k++) {
@@ -286,7 +284,7 @@ static int remember(struct builder *b, uint32_t i)
         while (at < b->near_count && l->near.j[at] != partner)
             at++;
         if (at == b->near_count) {
-            if (near_reserve(l, b->near_count, 1, NEAR_GUESS * b->p->n_own) != 0)
+            if (reserve_near(l, b->near_count, 1, NEAR_GUESS * b->p->n_own) != 0)
                 return -1;
             add_near(b, partner, false, 0.0, 0.0);
         }
@@ -307,7 +305,7 @@ int lists_carry_start(struct lists *l, size_t n_own)
     return 0;
 }
 
-/* Counts become starts: rows[a + 1] is the cursor of row a and ends where the next row begins. */
+/* Turns counts into starts: rows[a + 1] is the cursor of row a, which ends at the start of the next row. */
 int lists_carry_reserve(struct lists *l, size_t n_own, void *room, size_t bytes)
 {
     for (size_t i = 0; i < n_own; i++)
@@ -324,8 +322,8 @@ int lists_carry_reserve(struct lists *l, size_t n_own, void *room, size_t bytes)
     return 0;
 }
 
-static struct builder begin(struct lists *lists, const struct model *m, const struct particles *p,
-                            bool initial)
+static struct builder start_builder(struct lists *lists, const struct model *m, const struct particles *p,
+                                    bool initial)
 {
     double dr = m->config->delta_r,
            near = m->has_near || initial ? 2.0 * m->radius_max + m->margins.close : 0.0;
@@ -340,15 +338,15 @@ static struct builder begin(struct lists *lists, const struct model *m, const st
 enum dm2_status lists_build(struct lists *lists, const struct model *m, const struct particles *p,
                             const struct cells *cells, bool initial, struct dm2_error *err)
 {
-    struct builder b = begin(lists, m, p, initial);
+    struct builder b = start_builder(lists, m, p, initial);
     for (int part = 0; part < PART_COUNT; part++)
         lists->inner[part].valid = lists->links[part].valid = false;
     lists->n_inside = cells->start[cells->n_inside];
     bool all_pairs = m->config->search == SEARCH_LISTS;
-    bool binned = bins_serve(&b), periodic = m->grid.periodic[0] || m->grid.periodic[1];
+    bool binned = lay_out_bins(&b), periodic = m->grid.periodic[0] || m->grid.periodic[1];
     enum dm2_status status = DM2_MEMORY;
-    if ((binned && bins_assign(&lists->bins, p->r, p->n) != 0) ||
-        list_reserve_rows(&lists->far, p->n_own) != 0 || list_reserve_rows(&lists->near, p->n_own) != 0)
+    if ((binned && bins_assign(&lists->bins, p->r, p->n) != 0) || reserve_rows(&lists->far, p->n_own) != 0 ||
+        reserve_rows(&lists->near, p->n_own) != 0)
         goto done;
     for (int own = 0; own < cells->n_own; own++) {
         if (own % 1024 == 0)
@@ -356,11 +354,11 @@ enum dm2_status lists_build(struct lists *lists, const struct model *m, const st
         for (uint32_t i = cells->start[own]; i < cells->start[own + 1]; i++) {
             lists->far.start[i] = (uint32_t)b.far_count;
             lists->near.start[i] = (uint32_t)b.near_count;
-            if ((all_pairs            ? row_from_all(&b, i)
-                 : binned && periodic ? row_from_bins(&b, i, true)
-                 : binned             ? row_from_bins(&b, i, false)
-                                      : row_from_cells(&b, cells, own, i)) != 0 ||
-                remember(&b, i) != 0)
+            if ((all_pairs            ? fill_row_from_all(&b, i)
+                 : binned && periodic ? fill_row_from_bins(&b, i, true)
+                 : binned             ? fill_row_from_bins(&b, i, false)
+                                      : fill_row_from_cells(&b, cells, own, i)) != 0 ||
+                recall_memory(&b, i) != 0)
                 goto done;
             if (m->wide_far)
                 pad_row(&b);

@@ -1,9 +1,9 @@
-/* Neighbour lists (paper, sections 2.1 and 4), half: a pair stands in the row of its lower slot, which is
- * owned.
+/* The neighbour lists (paper, sections 2.1 and 4), as half lists (half_list.h).
  *
- * Two lists, because what has no memory and no status costs less: `far` holds the pairs within the cutoff of
- * a potential of scope `all`, plus dR; `near` those that are linked or can come into contact before the
- * margin of close pairs is spent (struct margins), with the memory of each pair. A pair may be in both. */
+ * There are two lists, because pairs without memory and status cost less: `far` holds the pairs within the
+ * cutoff of a potential of scope `all`, plus dR; `near` holds the pairs that are linked or can come into
+ * contact before the margin of close pairs is spent (struct margins), with the memory of each pair. A pair
+ * may be in both. */
 #ifndef DM2_ENGINE_LISTS_H
 #define DM2_ENGINE_LISTS_H
 
@@ -19,39 +19,38 @@
 #include "links.h"
 #include "particles.h"
 
-/* Memory of a pair that survives a rebuild, in the row of its lower new slot. */
+/* The memory of a pair that survives a rebuild, in the row of its lower new slot. */
 struct carried_pair {
     uint32_t b; /* higher new slot */
     bool linked;
-    double stretch, spring;
+    double stretch, spring; /* cm */
 };
 
 struct lists {
     struct half_list far, near;
-    size_t n_inside;
+    size_t n_inside;                     /* rows of PART_INSIDE */
     struct inner_list inner[PART_COUNT]; /* of the far list */
     struct link_list links[PART_COUNT];  /* of the near list */
-    /* memory of the near pairs, per entry */
-    uint8_t *linked;
-    double *stretch, *spring;
+    uint8_t *linked;                     /* memory of the near pairs, per entry */
+    double *stretch, *spring;            /* likewise, cm */
     size_t memory_cap;
-    struct bins bins; /* of the last build, where bins served it */
-    /* what the next build gives to its entries: the memory of carried pairs, by row */
-    uint32_t *rows;
-    double *carried;     /* stretch and spring of each */
-    uint32_t *carried_b; /* behind them: its b, and CARRIED_LINKED */
-    void *carried_own;   /* the block that both lie in, where the room that was lent is too small */
+    struct bins bins;    /* of the last build that used bins */
+    uint32_t *rows;      /* carried memory for the next build: where each row starts */
+    double *carried;     /* [pairs][2] stretch and spring */
+    uint32_t *carried_b; /* [pairs] behind `carried`: b, and CARRIED_LINKED */
+    void *carried_own;   /* the block of both, where the lent room is too small */
     size_t carried_own_cap, rows_cap;
-    double *kept; /* stretch of the inside's near pairs, behind it linked, in front perhaps spring:
-                     lists_keep_memory */
+    double *kept; /* lists_keep_memory, of the near pairs of PART_INSIDE: spring (with `springs`), stretch,
+                     linked */
     size_t kept_cap;
 };
 #define CARRIED_LINKED (UINT32_C(1) << 31) /* slots are below 2^31 */
 
-/* Memory is handed over in two passes, so that it needs no room beside its sorted place: start, count every
- * pair by its lower new slot, reserve, then place each of them (a pair may come twice with the same memory).
- * `room` is lent until the lists are built, `bytes` aligned for doubles: 20 bytes a pair are enough. start
- * and reserve: 0, or -1 without memory. */
+/* Memory is carried to the next build in two passes, so that the only room needed is that of the sorted
+ * pairs: lists_carry_start, lists_carry_count of every pair by its lower new slot a, lists_carry_reserve,
+ * lists_carry_place of every pair (a pair may come twice with the same memory). room: `bytes` bytes aligned
+ * for doubles, lent by the caller until lists_build returns; 20 bytes a pair are enough. lists_carry_start,
+ * lists_carry_reserve: 0, or -1 without memory. */
 int lists_carry_start(struct lists *lists, size_t n_own);
 static inline void lists_carry_count(struct lists *lists, uint32_t a)
 {
@@ -66,21 +65,23 @@ static inline void lists_carry_place(struct lists *lists, uint32_t a, struct car
     lists->carried_b[at] = pair.b | (pair.linked ? CARRIED_LINKED : 0u);
 }
 
-/* Builds both lists for the elements of p, which are in cell order, and gives the new entries what was
- * carried (the calls above, for p->n_own rows, come first). With `initial`, lattice neighbours whose
- * interface says so start linked. DM2_MEMORY; DM2_DECK: with `initial`, two elements closer than half their
+/* Builds both lists for the elements of p, which are in cell order, and gives the new entries the carried
+ * memory (the calls above, for p->n_own rows, come first). With `initial`, lattice neighbours whose law has
+ * initial_link start linked. DM2_MEMORY; DM2_DECK: with `initial`, two elements closer than half their
  * contact distance; DM2_NUMERIC: more than 2^32 - 1 entries. */
 enum dm2_status lists_build(struct lists *lists, const struct model *m, const struct particles *p,
                             const struct cells *cells, bool initial, struct dm2_error *err);
 
-/* A copy of the memory of the inside's near pairs, and back: what an evaluation ahead changes. `springs`: of
- * those too, where the deck has any. 0, or -1 without memory. */
+/* Copies the memory of the near pairs of PART_INSIDE, which force_ahead changes, and restores it. springs:
+ * the springs too, for decks that have any. lists_keep_memory: 0, or -1 without memory. */
 int lists_keep_memory(struct lists *lists, bool springs);
 void lists_restore_memory(struct lists *lists, bool springs);
 void lists_free(struct lists *lists);
+
+/* Bytes allocated. */
 size_t lists_bytes(const struct lists *lists);
 
-/* The rows of a part: [*first, *last). */
+/* The rows [*first, *last) of a part. */
 static inline void lists_rows(const struct lists *l, const struct particles *p, enum list_part part,
                               uint32_t *first, uint32_t *last)
 {
@@ -88,7 +89,7 @@ static inline void lists_rows(const struct lists *l, const struct particles *p, 
     *last = (uint32_t)(part == PART_INSIDE ? l->n_inside : p->n_own);
 }
 
-/* Does this entry remember anything? */
+/* Does the near entry have any memory? */
 static inline bool lists_remembers(const struct lists *l, size_t entry)
 {
     return l->linked[entry] || l->stretch[entry] != 0.0 || l->spring[entry] != 0.0;

@@ -1,15 +1,13 @@
-/* Links four at a time: pair_interact of law.h in the lanes of a vector, for what most pairs of a solid do at
- * most steps: a Morse bond that does not break, with damping, yield in tension, shear spring and plastic
- * slip, viscosity, conduction. Every lane does the operations of the plain path in the same order, so the
- * bits do not tell which ran; one that needs more (it breaks, closes a void, leaves the range) takes the
- * plain path.
+/* Links four at a time: pair_interact of law.h in the lanes of a vector, for most pairs of a solid at most
+ * steps: a Morse bond that does not break, with damping, yield in tension, shear spring and plastic slip,
+ * viscosity, conduction. Every lane does the operations of the plain path in the same order, so both give the
+ * same bits; a pair that needs more (it breaks, closes a void, leaves the range) takes the plain path.
  *
- * A pair's chain of operations is some hundreds of cycles long, and a processor looks ahead no further than
- * about one quad. So a block of quads goes through three short stages, one after the other: in each, the next
- * quad does not wait for the one before it.
+ * The operations on a pair depend on each other for some hundreds of cycles, and a processor looks ahead no
+ * further than about one quad. So a block of quads goes through three short stages, one after the other:
+ * within a stage no quad waits for the quad before it.
  *
- * Doubles become integers by adding 1.5 * 2^52 (see far.c), which rounds as llrint does, so here the range is
- * 2^50. */
+ * Doubles become integers by SIMD_FIXED, which rounds as llrint does, so the range here is 2^50. */
 #include <math.h>
 
 #include "dm2/base/simd.h"
@@ -17,10 +15,10 @@
 
 enum { BLOCK = 8 }; /* quads that go through the stages together */
 
-/* What the stages hand on of one quad. */
+/* The state of one quad between the three stages. */
 struct lanes {
-    simd_real dx, dy;                  /* from j to i; for measuring */
-    simd_real r, over, nx, ny, vn, vt; /* distance, its reciprocal, n, relative velocity */
+    simd_real dx, dy;                  /* from j to i, cm; for measuring */
+    simd_real r, over, nx, ny, vn, vt; /* struct pair_view, and n */
     simd_real x, e, f;                 /* bond length, exp(-alpha (x - r0)), central force */
 };
 
@@ -30,7 +28,7 @@ struct lanes {
 #define LESSER(a, b)  SIMD_CHOOSE((a) < (b), a, b)
 #define KEPT(x, left) ((simd_real)((simd_int)(x) & ~(left))) /* 0 in the lanes left */
 
-/* Four rows of four integers, transposed: component c of lane q becomes component q of lane c. */
+/* Transposes four rows of four integers: component c of row q becomes component q of row c. */
 DM2_INLINE void transpose(const simd_int in[4], simd_int out[4])
 {
     simd_int a = SIMD_EVEN(in[0], in[1]), b = SIMD_ODD(in[0], in[1]); /* x0 y0 x2 y2, x1 y1 x3 y3 */
@@ -41,10 +39,10 @@ DM2_INLINE void transpose(const simd_int in[4], simd_int out[4])
     out[3] = SIMD_HIGH(b, d);
 }
 
-/* Adds the effects to the sums of both elements of each pair. far: what differs in the second four sums of j.
- */
-DM2_INLINE void scatter(const struct link_quad *q, int64_t *pair_sum, const simd_int force[4],
-                        const simd_int other_i[4], const simd_int other_j[4])
+/* Adds to the sums of both elements of each pair: `force` to i and its opposite to j, the second four sums
+ * apart for i and j. */
+DM2_INLINE void scatter_sums(const struct link_quad *q, int64_t *pair_sum, const simd_int force[4],
+                             const simd_int other_i[4], const simd_int other_j[4])
 {
     simd_int *sums = (simd_int *)(void *)pair_sum; /* cache lines: aligned */
     simd_int f[4], oi[4], oj[4];
@@ -89,19 +87,19 @@ DM2_INLINE void log_lanes(const simd_real *in, simd_real *out)
     *out = power * 0x1.62e42fefa0000p-1 + ((2.0 * s + 2.0 * s * sum) + power * 0x1.cf79abc9e3b3ap-40);
 }
 
-/* Is any lane set? All? */
-DM2_INLINE bool any(const simd_int *mask)
+/* Is any lane, or are all lanes, of a comparison set? */
+DM2_INLINE bool any_lane(const simd_int *mask)
 {
     return ((*mask)[0] | (*mask)[1] | (*mask)[2] | (*mask)[3]) != 0;
 }
 
-DM2_INLINE bool all(const simd_int *mask)
+DM2_INLINE bool all_lanes(const simd_int *mask)
 {
     return ((*mask)[0] & (*mask)[1] & (*mask)[2] & (*mask)[3]) != 0;
 }
 
-/* Component 0 and 1 of an array of two-vectors: what i has over j, in lanes. */
-DM2_INLINE void differences(const double *array, const struct link_quad *q, simd_real *x, simd_real *y)
+/* Components 0 and 1 of an array of two-vectors: i less j, in lanes. */
+DM2_INLINE void gather_differences(const double *array, const struct link_quad *q, simd_real *x, simd_real *y)
 {
     const simd_real2 *a = (const simd_real2 *)(const void *)array;
     simd_real2 d0 = a[q->i[0]] - a[q->j[0]], d1 = a[q->i[1]] - a[q->j[1]];
@@ -111,19 +109,20 @@ DM2_INLINE void differences(const double *array, const struct link_quad *q, simd
     *y = SIMD_ODD(even, odd);
 }
 
-/* Stage 1: how the two stand and move. The sums of j, most of which were last touched a step ago, are fetched
- * meanwhile. */
-DM2_INLINE void geometry(const struct pass *pass, const struct link_quad *q, bool periodic, struct lanes *out)
+/* Stage 1: distance, directions and relative velocity. Meanwhile the processor fetches the sums of j, most of
+ * which were last used a step ago. */
+DM2_INLINE void find_geometry(const struct pass *pass, const struct link_quad *q, bool periodic,
+                              struct lanes *out)
 {
     simd_real dx, dy, dvx, dvy;
     for (int c = 0; c < SIMD_LANES; c++)
         __builtin_prefetch(pass->p->pair_sum + SUM_COUNT * (size_t)q->j[c], 1);
-    differences(pass->p->r, q, &dx, &dy);
+    gather_differences(pass->p->r, q, &dx, &dy);
     if (periodic) {
         lanes_nearest(&dx, pass->period.size[0], pass->period.half[0]);
         lanes_nearest(&dy, pass->period.size[1], pass->period.half[1]);
     }
-    differences(pass->p->v, q, &dvx, &dvy);
+    gather_differences(pass->p->v, q, &dvx, &dvy);
     simd_real r2 = dx * dx + dy * dy;
     out->dx = dx;
     out->dy = dy;
@@ -135,9 +134,10 @@ DM2_INLINE void geometry(const struct pass *pass, const struct link_quad *q, boo
     out->vt = dvy * out->nx - dvx * out->ny;
 }
 
-/* Stage 2: the Morse force. Beyond the range of exp_lanes e means nothing, which stage 3 sees by x. */
-DM2_INLINE void central(const struct pair_law *law, const struct lists *l, const struct link_quad *q,
-                        struct lanes *at)
+/* Stage 2: the Morse force. Beyond the range of exp_lanes at->e is meaningless; find_left recognizes this by
+ * at->x. */
+DM2_INLINE void find_central(const struct pair_law *law, const struct lists *l, const struct link_quad *q,
+                             struct lanes *at)
 {
     at->x = at->r - OF_K(l->stretch);
     simd_real power = law->shape - law->bond.alpha * at->x;
@@ -151,12 +151,12 @@ struct effects {
     simd_real heat, heat_damped, exchange, elastic;
 };
 
-/* What a measuring evaluation adds up of four links. */
+/* The measures of four links, in fixed point. */
 struct tally {
     simd_int virial[VIRIAL_COUNT], around[AROUND_COUNT], potential, elastic;
 };
 
-/* The same numbers as near_measure in force.c. Lanes where one leaves the range are added to *left. */
+/* The numbers of measure_pair in force.c. Lanes in which a number leaves the range are added to *left. */
 DM2_INLINE void measure_lanes(const struct pass *pass, const struct bond *bond, const struct lanes *at,
                               const struct effects *e, struct tally *out, simd_int *left)
 {
@@ -184,7 +184,7 @@ DM2_INLINE void measure_lanes(const struct pass *pass, const struct bond *bond, 
     out->elastic = SIMD_FIXED(KEPT(elastic, *left));
 }
 
-/* Adds it to both elements of each pair but those left, and the energies of those that count here. */
+/* Adds the tally of each lane not in *left to its two elements, and its energies where counts_here. */
 DM2_INLINE void add_tally(struct pass *pass, const struct link_quad *q, const struct tally *t,
                           const simd_int *left)
 {
@@ -214,9 +214,9 @@ DM2_INLINE void add_tally(struct pass *pass, const struct link_quad *q, const st
     exact_add_units(&pass->elastic, elastic, pass->m->fixed.energy_left);
 }
 
-/* Yield in tension, where *pulled is set: the residual stretch with which the bond holds its strength `cap`,
- * the heat of getting there, and the bond as it is then. A lane in which no length is the right one is added
- * to *left. */
+/* Yield in tension, in the lanes *pulled: the residual stretch at which the bond holds its strength `cap`,
+ * the heat of the yield, and the bond with this stretch. A lane in which the attraction never reaches the cap
+ * is added to *left. */
 DM2_INLINE void yield_lanes(const struct pair_law *law, const simd_real *cap, const simd_int *pulled,
                             struct lanes *at, simd_real *stretch, simd_real *heat, simd_int *left)
 {
@@ -252,8 +252,8 @@ DM2_INLINE void strength_lanes(const struct pair_law *law, const struct particle
     *shear = LESSER(slip_i, slip_j) * law->bond.area;
 }
 
-/* The lanes whose pairs take the plain path: unlinked, breaking, beyond the strongest attraction, pushed back
- * into a void, or out of the range of exp_lanes. */
+/* The lanes whose pairs take the plain path: unlinked, breaking, beyond the strongest attraction, closing a
+ * void, or out of the range of exp_lanes. */
 DM2_INLINE void find_left(const struct pair_law *law, const struct lists *l, const struct link_quad *q,
                           const struct lanes *at, const simd_real *stretch, const simd_real *tension,
                           simd_int *left)
@@ -267,7 +267,7 @@ DM2_INLINE void find_left(const struct pair_law *law, const struct lists *l, con
     }
 }
 
-/* fn, fdn and c_t, as law_damping for links. */
+/* fn and fdn: law_damping for links. */
 DM2_INLINE void damping_lanes(const struct pair_law *law, const struct particles *p,
                               const struct link_quad *q, const struct lanes *at, struct effects *e)
 {
@@ -282,8 +282,8 @@ DM2_INLINE void damping_lanes(const struct pair_law *law, const struct particles
     e->fn = at->f + e->fdn;
 }
 
-/* The tangential part, as law_tangential for links; `yields`: the spring slips at the cap `shear`. *spring is
- * the spring before, then after. */
+/* law_tangential for links; `yields`: the spring slips at the cap `shear`. *spring: before the step, then
+ * after. */
 DM2_INLINE void tangential_lanes(const struct pass *pass, const struct pair_law *law,
                                  const struct link_quad *q, const struct lanes *at, bool yields,
                                  const simd_real *shear, simd_real *spring, struct effects *e)
@@ -310,7 +310,7 @@ DM2_INLINE void tangential_lanes(const struct pass *pass, const struct pair_law 
     *spring = after;
 }
 
-/* Sets the effects of the lanes in *left to 0. */
+/* Sets the effects of the lanes *left to 0. */
 DM2_INLINE void clear_left(const simd_int *left, struct lanes *at, struct effects *e)
 {
     at->nx = KEPT(at->nx, *left), at->ny = KEPT(at->ny, *left);
@@ -335,24 +335,25 @@ DM2_INLINE void add_lanes(const struct pass *pass, const struct link_quad *q, co
     simd_real tt = e->ft * scale->torque, tdt = e->fdt * scale->torque;
     simd_int other_i[4] = {-SIMD_FIXED(e->arm_i * tt), -SIMD_FIXED(e->arm_i * tdt), freed, damped + gained};
     simd_int other_j[4] = {-SIMD_FIXED(e->arm_j * tt), -SIMD_FIXED(e->arm_j * tdt), freed, damped - gained};
-    scatter(q, pass->p->pair_sum, force, other_i, other_j);
+    scatter_sums(q, pass->p->pair_sum, force, other_i, other_j);
 }
 
-static inline bool law_yields(const struct pair_law *law)
+/* Has either side of the law a finite strength? */
+static inline bool may_yield(const struct pair_law *law)
 {
     return law->tensile_i < INFINITY || law->tensile_j < INFINITY || law->yield_i < INFINITY ||
            law->yield_j < INFINITY;
 }
 
-/* Stage 3: everything else, and the sums. *left are the lanes whose pairs must take the plain path: nothing
- * was added or changed for them. */
+/* Stage 3: the law from status to conduction, and the sums. *left: the lanes whose pairs must take the plain
+ * path; their sums and memory are unchanged. */
 DM2_INLINE void interact(struct pass *pass, struct lists *l, const struct pair_law *law,
                          const struct link_quad *q, struct lanes *at, bool spin, bool measure, simd_int *left)
 {
     const struct fixed_scales *scale = &pass->m->fixed;
     const struct particles *p = pass->p;
     const simd_real zero = {0.0};
-    const bool yields = law_yields(law), tangential = spin && law->tangential;
+    const bool yields = may_yield(law), tangential = spin && law->tangential;
     simd_real stretch = OF_K(l->stretch), tension = zero + INFINITY, shear = tension;
     simd_real before = zero, spring = zero;
     struct effects e = {.fn = zero};
@@ -360,7 +361,7 @@ DM2_INLINE void interact(struct pass *pass, struct lists *l, const struct pair_l
         strength_lanes(law, p, q, &tension, &shear);
     find_left(law, l, q, at, &stretch, &tension, left);
     simd_int pulled = (at->f < -tension) & ~*left;
-    if (yields && any(&pulled))
+    if (yields && any_lane(&pulled))
         yield_lanes(law, &tension, &pulled, at, &stretch, &e.heat, left);
     damping_lanes(law, p, q, at, &e);
     if (tangential) {
@@ -381,8 +382,8 @@ DM2_INLINE void interact(struct pass *pass, struct lists *l, const struct pair_l
         e.elastic = 0.5 * law->kt_link * (spring * spring);
         measure_lanes(pass, &law->bond, at, &e, &tally, left);
     }
-    const bool some = any(left);
-    if (some && all(left))
+    const bool some = any_lane(left);
+    if (some && all_lanes(left))
         return;
     if (measure)
         add_tally(pass, q, &tally, left);
@@ -394,13 +395,13 @@ DM2_INLINE void interact(struct pass *pass, struct lists *l, const struct pair_l
     for (int c = 0; tangential && c < SIMD_LANES; c++)
         l->spring[q->k[c]] = spring[c];
     pulled = pulled & ~*left;
-    for (int c = 0; yields && any(&pulled) && c < SIMD_LANES; c++)
+    for (int c = 0; yields && any_lane(&pulled) && c < SIMD_LANES; c++)
         if (pulled[c])
             l->stretch[q->k[c]] = stretch[c];
 }
 
-DM2_INLINE void wide_groups(struct pass *pass, struct lists *l, bool spin, bool periodic, bool measure,
-                            take_single *single)
+DM2_INLINE void interact_groups(struct pass *pass, struct lists *l, bool spin, bool periodic, bool measure,
+                                take_single *single)
 {
     const struct link_list *links = &l->links[pass->part];
     for (size_t g = 0; g < links->n_groups; g++) {
@@ -410,13 +411,13 @@ DM2_INLINE void wide_groups(struct pass *pass, struct lists *l, bool spin, bool 
             size_t n = group->n - done < BLOCK ? group->n - done : BLOCK;
             struct lanes at[BLOCK];
             for (size_t b = 0; b < n; b++)
-                geometry(pass, &q[b], periodic, &at[b]);
+                find_geometry(pass, &q[b], periodic, &at[b]);
             for (size_t b = 0; b < n; b++)
-                central(group->law, l, &q[b], &at[b]);
+                find_central(group->law, l, &q[b], &at[b]);
             for (size_t b = 0; b < n; b++) {
                 simd_int left;
                 interact(pass, l, group->law, &q[b], &at[b], spin, measure, &left);
-                if (!any(&left))
+                if (!any_lane(&left))
                     continue;
                 for (int c = 0; c < SIMD_LANES; c++) {
                     if (left[c])
@@ -427,34 +428,34 @@ DM2_INLINE void wide_groups(struct pass *pass, struct lists *l, bool spin, bool 
     }
 }
 
-DM2_WIDE static void wide_spinning(struct pass *pass, struct lists *l, take_single *single)
+DM2_WIDE static void interact_spinning(struct pass *pass, struct lists *l, take_single *single)
 {
-    wide_groups(pass, l, true, false, false, single);
+    interact_groups(pass, l, true, false, false, single);
 }
 
-DM2_WIDE static void wide_spinning_periodic(struct pass *pass, struct lists *l, take_single *single)
+DM2_WIDE static void interact_spinning_periodic(struct pass *pass, struct lists *l, take_single *single)
 {
-    wide_groups(pass, l, true, true, false, single);
+    interact_groups(pass, l, true, true, false, single);
 }
 
-DM2_WIDE static void wide_central(struct pass *pass, struct lists *l, take_single *single)
+DM2_WIDE static void interact_central(struct pass *pass, struct lists *l, take_single *single)
 {
-    wide_groups(pass, l, false, false, false, single);
+    interact_groups(pass, l, false, false, false, single);
 }
 
-DM2_WIDE static void wide_central_periodic(struct pass *pass, struct lists *l, take_single *single)
+DM2_WIDE static void interact_central_periodic(struct pass *pass, struct lists *l, take_single *single)
 {
-    wide_groups(pass, l, false, true, false, single);
+    interact_groups(pass, l, false, true, false, single);
 }
 
-DM2_WIDE static void wide_measured(struct pass *pass, struct lists *l, take_single *single)
+DM2_WIDE static void interact_measured(struct pass *pass, struct lists *l, take_single *single)
 {
-    wide_groups(pass, l, true, false, true, single);
+    interact_groups(pass, l, true, false, true, single);
 }
 
-DM2_WIDE static void wide_measured_periodic(struct pass *pass, struct lists *l, take_single *single)
+DM2_WIDE static void interact_measured_periodic(struct pass *pass, struct lists *l, take_single *single)
 {
-    wide_groups(pass, l, true, true, true, single);
+    interact_groups(pass, l, true, true, true, single);
 }
 
 void near_wide(struct pass *pass, struct lists *lists, take_single *single)
@@ -462,15 +463,15 @@ void near_wide(struct pass *pass, struct lists *lists, take_single *single)
     const struct model *m = pass->m;
     bool periodic = m->grid.periodic[0] || m->grid.periodic[1];
     if (pass->totals != NULL && periodic)
-        wide_measured_periodic(pass, lists, single);
+        interact_measured_periodic(pass, lists, single);
     else if (pass->totals != NULL)
-        wide_measured(pass, lists, single);
+        interact_measured(pass, lists, single);
     else if (m->has_spin && periodic)
-        wide_spinning_periodic(pass, lists, single);
+        interact_spinning_periodic(pass, lists, single);
     else if (m->has_spin)
-        wide_spinning(pass, lists, single);
+        interact_spinning(pass, lists, single);
     else if (periodic)
-        wide_central_periodic(pass, lists, single);
+        interact_central_periodic(pass, lists, single);
     else
-        wide_central(pass, lists, single);
+        interact_central(pass, lists, single);
 }

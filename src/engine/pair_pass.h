@@ -1,5 +1,4 @@
-/* What the pair loops (far.c, force.c, near_wide.c) share: one evaluation in progress. Private to the engine.
- */
+/* One evaluation in progress, shared by the pair loops of far.c, force.c and near_wide.c. */
 #ifndef DM2_ENGINE_PAIR_PASS_H
 #define DM2_ENGINE_PAIR_PASS_H
 
@@ -10,18 +9,17 @@
 #include "force.h"
 #include "periodic.h"
 
-/* Largest magnitude that near effects and energies may have in fixed point: 64 pairs may meet in one element.
- */
+/* Largest magnitude of near effects and energies in fixed point: the sums of 64 pairs of one element still
+ * fit. */
 #define FIXED_RANGE 0x1p57
 
-/* Nearest integer of a scaled double, halves to even; |scaled| < FIXED_RANGE. Odd. One instruction on most
- * machines. */
+/* Nearest integer of a scaled double, halves to even; |scaled| < FIXED_RANGE. An odd function, so action and
+ * reaction cancel; one instruction on most machines. */
 static inline int64_t to_fixed(double scaled)
 {
     return llrint(scaled);
 }
 
-/* What both loops know. */
 struct pass {
     const struct model *m;
     struct particles *p;
@@ -29,15 +27,16 @@ struct pass {
     double dt_kick, dt_path;
     struct pair_totals *totals;
     struct exact_sum potential, elastic;
-    enum list_part part;   /* whose rows are taken */
+    enum list_part part;   /* the rows being evaluated */
     uint32_t bad_i, bad_j; /* a pair out of range, if any */
     bool bad, no_memory;
-    bool ahead;                /* the inside has been evaluated */
-    bool far_plain;            /* measured far pairs have left the range of lanes: start again without */
-    bool plain;                /* take no fast path: the check of the debug flavour */
+    bool ahead;     /* PART_INSIDE has been evaluated */
+    bool far_plain; /* measured far pairs have left the range of lanes: start again with the plain loop */
+    bool plain;     /* plain loops only: the check of the debug flavour */
     struct force_check *check; /* of the debug flavour */
 };
 
+/* Notes the pair as out of range, unless an earlier pair was. */
 static inline void note_bad(struct pass *pass, uint32_t i, uint32_t j)
 {
     if (!pass->bad) {
@@ -47,12 +46,13 @@ static inline void note_bad(struct pass *pass, uint32_t i, uint32_t j)
     }
 }
 
-/* A pair's energies and counts belong to one server: the owner of the lower id. */
+/* A pair's energies and counts belong to one server: the owner of the element with the lower id. */
 static inline bool counts_here(const struct particles *p, uint32_t i, uint32_t j)
 {
     return j < p->n_own || p->id[i] < p->id[j];
 }
 
+/* Adds r (x) f of a pair to the virials of both elements; dx, dy in cm, fx, fy in Mbar cm2. */
 static inline void add_virial(const struct pass *pass, uint32_t i, uint32_t j, double dx, double dy,
                               double fx, double fy)
 {
@@ -69,14 +69,15 @@ static inline void add_virial(const struct pass *pass, uint32_t i, uint32_t j, d
     vj[2] += xy;
 }
 
-/* The potentials of scope `all` over the far pairs of pass->part, into far_sum. */
+/* Adds the potentials of scope `all` over the far pairs of pass->part to far_sum; with totals also virial and
+ * energy. Sets bad, no_memory or far_plain of the pass where the evaluation did not succeed. */
 void far_evaluate(struct pass *pass, struct lists *lists);
 
 /* Evaluates entry k of the near row of i by the plain path. */
 typedef void take_single(struct pass *pass, struct lists *lists, uint32_t i, uint32_t k);
 
-/* The quads of lists->links[pass->part], which are sorted; `single` takes the links that need more than most.
- */
+/* Evaluates the quads of lists->links[pass->part], which link_list_prepare has sorted; `single` evaluates the
+ * links that need the plain path. */
 void near_wide(struct pass *pass, struct lists *lists, take_single *single);
 
 #endif

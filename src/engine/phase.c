@@ -1,18 +1,18 @@
 /* Phase transitions.
  *
- * Every phase but a material's first names the one it forms from and a line in the plane of pressure and
- * temperature. An element changes when it is above that line, and back when it is below it by more than the
- * hysteresis, so that the drop of pressure or temperature that the change itself makes does not undo it.
+ * Every phase but the first of a material names the phase it forms from and a line in the plane of pressure
+ * and temperature. An element changes above the line, and back when its distance below the line exceeds the
+ * hysteresis, so that the drop of pressure or temperature caused by the change does not undo the change.
  *
  * Energy: the internal energy of a phase is m (cp (T - T0) + e), e a constant of the phase that follows from
- * the latent heat; a change keeps that sum, so that m e leaves the thermal energy. What new stiffness and
- * size do to the bonds at their present lengths, and a new radius to the spin, is taken from the account
- * `moved` of the element. So kinetic, potential, elastic and thermal energy and the two accounts together
- * stay what they were. The forces of the step across the change are those after it: the book is then off by v
- * dF dt/2 once per change.
+ * the latent heat; a change keeps this sum, so that m e leaves the thermal energy. The energies that bonds
+ * gain at their present lengths by new stiffness and size, and that the spin gains by a new radius, are taken
+ * from the account `moved` of the element. So the sum of kinetic, potential, elastic and thermal energy and
+ * the two accounts does not change. The step across the change uses the forces after the change: each change
+ * puts the energy book off by v dF dt/2.
  *
- * Sums over bonds are integers, so their order does not matter; mirrored elements carry their mark with them,
- * so that both owners of a bond get the same numbers. */
+ * Sums over bonds are integers, so their order does not matter; mirrored elements carry their marks, so both
+ * owners of a bond get the same numbers. */
 #include "phase.h"
 
 #include <math.h>
@@ -21,8 +21,8 @@
 #include "dm2/base/mem.h"
 #include "periodic.h"
 
-/* How far (p, t) is above the line of this phase, in Mbar or K. */
-static double above_line(const struct phase_config *phase, double p, double t)
+/* The height of (p, t) above the line of the phase, Mbar or K. */
+static double height_above_line(const struct phase_config *phase, double p, double t)
 {
     if (phase->transition == TRANSITION_PRESSURE)
         return p - (phase->p_line + phase->dp_dt * (t - phase->t_line));
@@ -32,10 +32,11 @@ static double above_line(const struct phase_config *phase, double p, double t)
 size_t phase_of(const struct model *m, size_t kind, double p, double t)
 {
     for (size_t k = m->config->n_materials; k < m->n_kinds; k++)
-        if (m->kinds[k].from == kind && above_line(m->kinds[k].phase, p, t) > 0.0)
+        if (m->kinds[k].from == kind && height_above_line(m->kinds[k].phase, p, t) > 0.0)
             return k;
     const struct kind *now = &m->kinds[kind];
-    if (now->phase != NULL && now->phase->reversible && above_line(now->phase, p, t) < -now->hysteresis)
+    if (now->phase != NULL && now->phase->reversible &&
+        height_above_line(now->phase, p, t) < -now->hysteresis)
         return now->from;
     return kind;
 }
@@ -73,16 +74,16 @@ void phase_apply(const struct model *m, struct particles *p)
 {
     for (size_t i = 0; i < p->n_own; i++) {
         if (p->was[i] != p->kind[i])
-            continue; /* it has just become the product of a reaction */
+            continue; /* already changed in this step: the product of a reaction */
         size_t kind = phase_of(m, p->kind[i], p->p[i], p->temperature[i]);
         if (kind != p->kind[i])
             phase_become(m, p, i, kind);
     }
 }
 
-/* Energy that a bond holds: as pair_interact (engine/law.h) counts it before it looks at the status anew. */
-static double bond_energy(const struct pair_law *law, double r, double r0, bool linked, double stretch,
-                          double spring)
+/* The energy of a bond as in law.h, by the status from before the evaluation. */
+static double find_bond_energy(const struct pair_law *law, double r, double r0, bool linked, double stretch,
+                               double spring)
 {
     double u = 0.0, kt = linked ? law->kt_link : law->kt_contact;
     if (linked || r <= r0)
@@ -90,9 +91,9 @@ static double bond_energy(const struct pair_law *law, double r, double r0, bool 
     return u + 0.5 * kt * (spring * spring);
 }
 
-/* What the change of i's or j's kind adds to the energy of their bond. */
-static double bond_change(const struct model *m, const struct particles *p, const struct lists *l, size_t i,
-                          size_t j, uint32_t entry)
+/* The energy that the change of i's or j's kind adds to their bond, near entry `entry`. */
+static double find_bond_change(const struct model *m, const struct particles *p, const struct lists *l,
+                               size_t i, size_t j, uint32_t entry)
 {
     const struct period period = period_of(&m->grid);
     double d[2], radius_i = phase_radius(m, p->radius[i], p->kind[i], p->was[i]),
@@ -101,10 +102,11 @@ static double bond_change(const struct model *m, const struct particles *p, cons
     for (size_t a = 0; a < 2; a++)
         d[a] = period_nearest(p->r[2 * i + a] - p->r[2 * j + a], period.size[a], period.half[a]);
     double r = sqrt(d[0] * d[0] + d[1] * d[1]);
-    double before = bond_energy(model_law(m, p->was[i], p->was[j], relation), r, radius_i + radius_j,
-                                l->linked[entry], l->stretch[entry], l->spring[entry]);
-    double after = bond_energy(model_law(m, p->kind[i], p->kind[j], relation), r, p->radius[i] + p->radius[j],
-                               l->linked[entry], l->stretch[entry], l->spring[entry]);
+    double before = find_bond_energy(model_law(m, p->was[i], p->was[j], relation), r, radius_i + radius_j,
+                                     l->linked[entry], l->stretch[entry], l->spring[entry]);
+    double after =
+        find_bond_energy(model_law(m, p->kind[i], p->kind[j], relation), r, p->radius[i] + p->radius[j],
+                         l->linked[entry], l->stretch[entry], l->spring[entry]);
     return after - before;
 }
 
@@ -131,7 +133,7 @@ enum dm2_status phase_account(const struct model *m, struct particles *p, const 
             size_t j = lists->near.j[k];
             if (p->was[i] == p->kind[i] && p->was[j] == p->kind[j])
                 continue;
-            double half = 0.5 * bond_change(m, p, lists, i, j, k) * scale;
+            double half = 0.5 * find_bond_change(m, p, lists, i, j, k) * scale;
             if (!(fabs(half) < 0x1p57)) {
                 status = dm2_fail(
                     err, DM2_NUMERIC,

@@ -1,10 +1,10 @@
-/* Condensed phases: which phase an element is in at its pressure and temperature, and what a change does to
- * it and to its bonds (docs/physics.md, section 9; paper, section 2.3). Instantaneous; at most one change per
- * element and step.
+/* Condensed phases: the phase of an element at its pressure and temperature, and the effect of a change on
+ * the element and its bonds. A change is instantaneous; an element has at most one change per step. Source:
+ * paper, section 2.3; equations: docs/physics.md, section 9.
  *
- * A change of kind (also that of an element that a reaction has turned into product) is made by its owner
- * after the move, with particles.was as the mark; the next force evaluation begins with phase_account, which
- * books what the changed constants did to the energies of the bonds and takes the marks away. */
+ * The owner changes the kind of an element (also where a reaction has turned the element into product) after
+ * the move and marks the change in particles.was. The next force evaluation begins with phase_account, which
+ * books the change of the bonds' energies and clears the marks. */
 #ifndef DM2_ENGINE_PHASE_H
 #define DM2_ENGINE_PHASE_H
 
@@ -14,25 +14,27 @@
 #include "tables.h"
 
 /* The kind that an element of `kind` changes to at pressure p (Mbar) and temperature t (K): the first phase,
- * in deck order, that forms from it and whose line it is above; else, where it is reversible, the one it
- * formed from, if it is below its own line by more than the hysteresis; else `kind`. */
+ * in deck order, that forms from `kind` and has its line below (p, t); else, for a reversible phase whose own
+ * line is above (p, t) by more than the hysteresis, the kind that it forms from; else `kind`. */
 size_t phase_of(const struct model *m, size_t kind, double p, double t);
 
-/* Radius after a change of kind: scaled where both are phases of one material, else kept, cm. */
+/* Radius after a change from kind `was` to `kind`, cm: scaled where both are phases of one material, else
+ * unchanged. */
 double phase_radius(const struct model *m, double radius, size_t was, size_t kind);
 
-/* Owned slot i becomes `kind`: heat, radius, spin (angular momentum stays), temperature; the energy moved is
- * booked. */
+/* Turns owned slot i into `kind`: sets heat, radius, spin (the angular momentum stays) and temperature, and
+ * books the energy in p->moved. */
 void phase_become(const struct model *m, struct particles *p, size_t i, size_t kind);
 
-/* A mirrored slot follows its owner: kind, was and radius. */
+/* Gives mirrored slot i the change of its owner: kind, was and radius. */
 void phase_follow(const struct model *m, struct particles *p, size_t i, size_t was, size_t kind);
 
-/* Phase changes of all owned elements, by the pressure of the last evaluation and the temperature of now. */
+/* Changes the phases of all owned elements by the pressure of the last evaluation and the present
+ * temperature. */
 void phase_apply(const struct model *m, struct particles *p);
 
-/* Books the change of the bonds' energies, half to each element, and clears all marks. DM2_MEMORY;
- * DM2_NUMERIC: a bond's energy is out of range, with id and step. */
+/* Books the change of the bonds' energies in p->moved, half to each element, and clears all marks.
+ * DM2_MEMORY; DM2_NUMERIC: the energy of a bond is out of range, with ids and step. */
 enum dm2_status phase_account(const struct model *m, struct particles *p, const struct lists *lists,
                               int64_t step, struct dm2_error *err);
 

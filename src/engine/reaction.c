@@ -1,14 +1,14 @@
 /* The reaction pass.
  *
- * A contact reacts by what its two elements held when the step began, whatever other contacts do; each
- * contact takes at most a fixed part of it (1/8; 1/64 where discs differ so much that one may touch many), so
- * that no order of pairs can overdraw an element. Masses are added as integers: any order and any number of
- * servers give the same bits, and what A and B lose is exactly what product gains, since an element's product
- * is what its two fractions leave of 1. Each element gets the heat of the product that forms in it, so that
- * both come to the same temperature.
+ * A contact reacts by the reactants of its two elements at the start of the step, independently of other
+ * contacts; each contact takes at most a fixed part of them (1/8; 1/64 where radii differ so much that a disc
+ * may touch many), so that no order of pairs can overdraw an element. Masses are added as integers: any order
+ * and any number of servers give the same bits. Product gains exactly the mass that A and B lose, because the
+ * fraction of product is 1 less the fractions of A and B. Each element gets the heat of the product that
+ * forms in it, so that both come to the same temperature.
  *
- * Rates are those at the evaluation; they are taken after the move, so that a row of the history sees
- * neither. */
+ * Rates are evaluated with the forces and applied after the move, so that a row of the history is taken
+ * before the change of composition and before its heat. */
 #include "reaction.h"
 
 #include <math.h>
@@ -38,14 +38,15 @@ void reaction_rate(const struct reaction_table *x, struct reaction_side a, struc
     reacted[1] = part * db;
 }
 
+/* Nearest integer of a scaled double, halves away from 0; |scaled| < 2^57. */
 static int64_t to_fixed(double scaled)
 {
     return (int64_t)(scaled + copysign(0.5, scaled));
 }
 
-/* A of element i with B of element j. False: the heat is out of range. */
-static bool react(const struct model *m, const struct particles *p, size_t i, size_t j, double temperature,
-                  double area, double dt, int64_t *sums)
+/* Adds the reaction of A of element i with B of element j to `sums`. False: the heat is out of range. */
+static bool react_pair(const struct model *m, const struct particles *p, size_t i, size_t j,
+                       double temperature, double area, double dt, int64_t *sums)
 {
     const struct reaction_table *x = &m->reaction;
     struct reaction_side a = {p->mass[i], p->share[2 * i]}, b = {p->mass[j], p->share[2 * j + 1]};
@@ -66,7 +67,7 @@ enum dm2_status reaction_evaluate(const struct model *m, const struct particles 
                                   double dt_kick, int64_t step, struct reaction_sums *sums,
                                   struct dm2_error *err)
 {
-    const double facet = 0x1.279a74590331dp-1; /* 1/sqrt(3): the facet of a hexagon, as in the pair law */
+    const double facet = 0x1.279a74590331dp-1; /* 1/sqrt(3): the facet of a hexagon over r0, as in law.h */
     const struct period period = period_of(&m->grid);
     int64_t *grown = mem_grown(sums->item, &sums->cap, 0, p->n * REACTION_SUMS, sizeof *grown);
     if (grown == NULL)
@@ -87,8 +88,8 @@ enum dm2_status reaction_evaluate(const struct model *m, const struct particles 
             if (sqrt(dx * dx + dy * dy) > r0)
                 continue;
             double mean = 0.5 * (p->temperature[i] + p->temperature[j]), area = r0 * facet;
-            if ((forward && !react(m, p, i, j, mean, area, dt_kick, sums->item)) ||
-                (backward && !react(m, p, j, i, mean, area, dt_kick, sums->item)))
+            if ((forward && !react_pair(m, p, i, j, mean, area, dt_kick, sums->item)) ||
+                (backward && !react_pair(m, p, j, i, mean, area, dt_kick, sums->item)))
                 return dm2_fail(err, DM2_NUMERIC,
                                 "step %lld: the heat of reaction of elements %u and %u, near (%g, %g) cm, is "
                                 "out of range: "

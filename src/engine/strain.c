@@ -1,12 +1,13 @@
 /* Strain by least squares over the interacting neighbours.
  *
- * Each pair adds r (x) r and du (x) r, du = dv dt, to both its elements as 64-bit integers, so that the sums
- * do not depend on order, nor the strain on the number of servers; both are even in the pair's orientation.
- * Lengths are in units of the largest contact distance r0, with 2^-48 r0^2 as the quantum: strain increments
- * are good to about 1e-14.
+ * Each pair adds r (x) r and du (x) r, du = dv dt, to both its elements as 64-bit integers, so that neither
+ * the sums depend on order nor the strain on the number of servers; both products are even in the pair's
+ * orientation. The quantum is 2^-48 r0^2, r0 the largest contact distance: strain increments are good to
+ * about 1e-14.
  *
  * With r midway between the last two positions, r(n) - du/2, the increment of a homogeneous stretch from l to
- * l' is 2 (l' - l)/(l' + l): the sum of many is the logarithmic strain, to second order in the time step. */
+ * l' is 2 (l' - l)/(l' + l): the sum of many increments is the logarithmic strain, to second order in the
+ * time step. */
 #include "strain.h"
 
 #include <math.h>
@@ -19,10 +20,11 @@
 enum strain_sum { RXX, RYY, RXY, UXX, UXY, UYX, UYY }; /* UXY: du_x r_y */
 
 static const double quantum_bits = 0x1p48;
-static const double range = 0x1p57; /* of one pair's part: 64 pairs may meet in one element */
+static const double range =
+    0x1p57; /* of the part of one pair: the sums of 64 pairs of one element still fit */
 
-/* Neighbours whose second moments have det <= 2^-6 (trace)^2 lie on one line, within some 14 degrees: what
- * they say of the motion across it is noise. */
+/* Neighbours whose second moments have det <= 2^-6 (trace)^2 lie on one line, within some 14 degrees: their
+ * motion across the line is noise. */
 static const double on_one_line = 0x1p-6;
 
 void strain_free(struct strain_sums *s)
@@ -31,7 +33,7 @@ void strain_free(struct strain_sums *s)
     *s = (struct strain_sums){0};
 }
 
-static enum dm2_status reserve(struct strain_sums *s, size_t n, struct dm2_error *err)
+static enum dm2_status reserve_sums(struct strain_sums *s, size_t n, struct dm2_error *err)
 {
     if (n <= s->cap)
         return DM2_OK;
@@ -44,12 +46,13 @@ static enum dm2_status reserve(struct strain_sums *s, size_t n, struct dm2_error
     return DM2_OK;
 }
 
+/* Nearest integer of a scaled double, halves away from 0; |scaled| < range. */
 static inline int64_t to_fixed(double scaled)
 {
     return (int64_t)(scaled + copysign(0.5, scaled));
 }
 
-/* False where the pair's part is out of range. */
+/* Adds the part of a pair to the sums a and b of its elements. False where the part is out of range. */
 static bool add_pair(int64_t *a, int64_t *b, const double r[2], const double u[2], double scale)
 {
     const double part[STRAIN_SUMS] = {
@@ -66,7 +69,7 @@ static bool add_pair(int64_t *a, int64_t *b, const double r[2], const double u[2
     return true;
 }
 
-/* strain += sym(U R^-1), U = sum du (x) r, R = sum r (x) r; the common scale drops out. */
+/* strain += sym(U R^-1), U = sum du (x) r, R = sum r (x) r; the common scale cancels. */
 static void add_increment(const int64_t *sum, double strain[3])
 {
     double xx = (double)sum[RXX], yy = (double)sum[RYY], xy = (double)sum[RXY];
@@ -84,7 +87,7 @@ enum dm2_status strain_add(const struct model *m, struct particles *p, const str
 {
     if (dt_path == 0.0)
         return DM2_OK;
-    enum dm2_status status = reserve(s, p->n, err);
+    enum dm2_status status = reserve_sums(s, p->n, err);
     if (status != DM2_OK)
         return status;
     const struct half_list *near = &lists->near;
@@ -110,7 +113,7 @@ enum dm2_status strain_add(const struct model *m, struct particles *p, const str
                     "strain; a smaller dt may help",
                     (long long)step, p->id[i], p->id[j], p->r[2 * i], p->r[2 * i + 1]);
         }
-        /* Pairs with lower slots stood in earlier rows: all of i is summed. */
+        /* Pairs of i with lower slots are in earlier rows, so the sums of i are complete. */
         add_increment(s->sum + STRAIN_SUMS * i, p->strain + 3 * i);
     }
     return DM2_OK;

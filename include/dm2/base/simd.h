@@ -1,8 +1,10 @@
-/* Four doubles at a time, with the vector types that gcc and clang share. Every operation is the scalar one
- * in each lane, so a loop written with them gives the bits of the plain loop.
+/* Four doubles at a time, in the vector types that gcc and clang share. Every operation is the scalar
+ * operation in each lane, so a loop over vectors gives the bits of the plain loop. Operations on vectors are
+ * macros, because vectors are not passed to functions.
  *
- * DM2_WIDE marks a function that is compiled for AVX2 and for the plain instruction set, and chosen when the
- * program starts (glibc on x86-64); elsewhere the compiler makes of the vectors what the machine has. */
+ * DM2_WIDE marks a function that is compiled for AVX2 and for the plain instruction set; the program chooses
+ * the version when it starts (glibc on x86-64). Elsewhere the compiler translates vectors to the instructions
+ * of its target. */
 #ifndef DM2_BASE_SIMD_H
 #define DM2_BASE_SIMD_H
 
@@ -12,8 +14,7 @@ typedef double simd_real __attribute__((vector_size(32)));
 typedef int64_t simd_int __attribute__((vector_size(32)));
 enum { SIMD_LANES = 4 };
 
-/* Lane by lane: a where the comparison `mask` holds, else b. A macro, since vectors are not passed to
- * functions. */
+/* Lane by lane: a where the comparison `mask` holds, else b. */
 #define SIMD_CHOOSE(mask, a, b) ((simd_real)(((simd_int)(a) & (mask)) | ((simd_int)(b) & ~(mask))))
 
 /* |x| of each lane. */
@@ -38,8 +39,8 @@ union simd_int_halves {
     simd_int2 half[2];
 };
 
-/* SIMD_JOIN: two halves as one. SIMD_EVEN, SIMD_ODD: lanes 0 and 2, or 1 and 3, of a and b in turn: a0 b0 a2
- * b2. SIMD_LOW, SIMD_HIGH: the first, or second, halves of a and of b. */
+/* SIMD_JOIN: two halves as one vector. SIMD_EVEN, SIMD_ODD: lanes 0 and 2, or 1 and 3, of a and b in turn: a0
+ * b0 a2 b2. SIMD_LOW, SIMD_HIGH: the first, or second, halves of a and of b. */
 #if defined(__has_builtin)
 #if __has_builtin(__builtin_shufflevector)
 #define DM2_HAS_SHUFFLE
@@ -59,7 +60,7 @@ union simd_int_halves {
 #define SIMD_HIGH(a, b)      __builtin_shuffle(a, b, (simd_int){2, 3, 6, 7})
 #endif
 
-/* What a DM2_WIDE function calls must be inlined into each of its versions. */
+/* For the functions that a DM2_WIDE function calls: each of its versions must have them inlined. */
 #define DM2_INLINE static inline __attribute__((always_inline))
 
 #if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__)
