@@ -1,10 +1,10 @@
 /* Integration of the owned elements.
  *
- * Energy book (docs/physics.md, section 7): damping heat was booked with the velocities of the half step
- * before; its exact total needs only the element's own sums, since sum over pairs of -F_d . (v(n-1/2) +
- * v(n+1/2))/2 dt = lagged heat - 1/2 dt sum_i (F_d,i . dv_i + tau_d,i dw_i). Kinetic energy at the whole step
- * is that of the mean velocity; thermal energy there counts half of the damping heat of the step around it,
- * and all heat that was freed by then. */
+ * Energy book (docs/physics.md, section 7): the pairs book damping heat with the velocities of the half step
+ * before. The sums of each element are enough to correct this lag exactly, because sum over pairs of -F_d .
+ * (v(n-1/2) + v(n+1/2))/2 dt = lagged heat - 1/2 dt sum_i (F_d,i . dv_i + tau_d,i dw_i). At the whole step,
+ * kinetic energy is that of the mean velocity, and thermal energy counts half of the damping heat of the
+ * surrounding step and all heat freed so far. */
 #include "leapfrog.h"
 
 #include <math.h>
@@ -22,17 +22,17 @@ double leapfrog_path_time(const struct model *m, int64_t step)
     return step == 0 ? 0.0 : m->config->dt;
 }
 
-/* What one kick does to one element. */
+/* The changes of one element by one kick. */
 struct kick {
-    double dv[2], dw;
-    double heat_now;    /* freed at once */
-    double heat_damped; /* over the kick, corrected; conduction is in it */
+    double dv[2], dw;   /* cm/us, 1/us; 0 for a driven element */
+    double heat_now;    /* freed at once, g cm2/us2 */
+    double heat_damped; /* of the kick, corrected, with conduction, g cm2/us2 */
     double force[2];    /* total pair force, Mbar cm2 */
 };
 
-/* `near`: there are near pairs in this deck; without, their sums are not even zeroed. */
-DM2_INLINE struct kick kick_of(const struct model *m, const struct particles *p, size_t i, double dt,
-                               bool near)
+/* near: the deck has near pairs; without near pairs pair_sum is not valid. dt: of the kick, us. */
+DM2_INLINE struct kick find_kick(const struct model *m, const struct particles *p, size_t i, double dt,
+                                 bool near)
 {
     const int64_t *s = near ? p->pair_sum + SUM_COUNT * i : NULL;
     const struct fixed_scales *x = &m->fixed;
@@ -64,17 +64,17 @@ void leapfrog_whole_velocity(const struct model *m, const struct particles *p, s
                              double v[2], double *w)
 {
     double share = step == 0 ? 0.0 : 0.5; /* step 0 starts at the whole step */
-    struct kick k = kick_of(m, p, i, leapfrog_kick_time(m, step), m->has_near);
+    struct kick k = find_kick(m, p, i, leapfrog_kick_time(m, step), m->has_near);
     for (size_t a = 0; a < 2; a++)
         v[a] = p->v[2 * i + a] + share * k.dv[a];
     *w = p->w[i] + share * k.dw;
 }
 
-/* The volume of slot i among its neighbours. Six of them around it are the sides of a strained hexagonal
- * cell: with M = sum r (x) r, which is 3 d^2 F F^T where the lattice is deformed by F, the cell's area is
- * sqrt(det M)/(2 sqrt 3), exact for any homogeneous F. Else, at surfaces and in loose packings, it is the
- * cell of the element at rest. */
-static double volume_of(const struct model *m, const struct particles *p, size_t i)
+/* The volume of slot i among its neighbours, cm3. Six neighbours give the sides of a deformed hexagonal cell:
+ * with M = sum r (x) r, which is 3 d^2 F F^T for a lattice deformed by F, the area of the cell is sqrt(det
+ * M)/(2 sqrt 3), exact for any homogeneous F. Otherwise, at surfaces and in loose packings, the cell is that
+ * of the element at rest. */
+static double find_volume(const struct model *m, const struct particles *p, size_t i)
 {
     const int64_t *s = p->around != NULL ? p->around + AROUND_COUNT * i : NULL;
     double d = 2.0 * p->radius[i], over = 1.0 / m->fixed.around; /* a power of two: exact */
@@ -88,42 +88,43 @@ static double volume_of(const struct model *m, const struct particles *p, size_t
     return 0x1.bb67ae8584caap-1 * (d * d); /* sqrt(3)/2 d^2 h */
 }
 
-static inline void stress_of(const struct model *m, const struct particles *p, size_t i, size_t n,
-                             double *stress)
+/* The first n components of leapfrog_stress. */
+static inline void find_stress(const struct model *m, const struct particles *p, size_t i, size_t n,
+                               double *stress)
 {
-    double volume = volume_of(m, p, i), over = 1.0 / m->fixed.virial; /* a power of two: exact */
+    double volume = find_volume(m, p, i), over = 1.0 / m->fixed.virial; /* a power of two: exact */
     for (size_t a = 0; a < n; a++)
         stress[a] = -0.5 * ((double)p->virial[VIRIAL_COUNT * i + a] * over) / volume;
 }
 
 void leapfrog_stress(const struct model *m, const struct particles *p, size_t i, double stress[3])
 {
-    stress_of(m, p, i, VIRIAL_TALLY, stress);
+    find_stress(m, p, i, VIRIAL_TALLY, stress);
 }
 
-/* P = -tr(sigma)/2 of slot i. */
-static inline double pressure_of(const struct model *m, const struct particles *p, size_t i)
+/* P = -tr(sigma)/2 of slot i, Mbar. */
+static inline double find_pressure(const struct model *m, const struct particles *p, size_t i)
 {
     double stress[VIRIAL_XY];
-    stress_of(m, p, i, VIRIAL_XY, stress);
+    find_stress(m, p, i, VIRIAL_XY, stress);
     return -0.5 * (stress[VIRIAL_XX] + stress[VIRIAL_YY]);
 }
 
 void leapfrog_set_pressure(const struct model *m, struct particles *p)
 {
     for (size_t i = 0; i < p->n_own; i++)
-        p->p[i] = pressure_of(m, p, i);
+        p->p[i] = find_pressure(m, p, i);
 }
 
-/* Power of what keeps a driven element at its velocity against the forces on it. Its work up to a whole step
- * counts half of the power there and half of the power at the start: the trapezoidal rule, as accurate as the
- * leapfrog itself. */
-static double drive_power(const struct particles *p, size_t i, const struct kick *k)
+/* The power that keeps a driven element at its velocity against the pair forces. Its work up to a whole step
+ * counts half of the power at this step and half of the power at the start: the trapezoidal rule, as accurate
+ * as the leapfrog. */
+static double find_drive_power(const struct particles *p, size_t i, const struct kick *k)
 {
     return -(k->force[0] * p->v[2 * i] + k->force[1] * p->v[2 * i + 1]);
 }
 
-/* Adds slot i's part of the measures of this step. False where a value is out of the sums' range. */
+/* Adds the part of slot i to the measures of this step. False where a value leaves the range of its sum. */
 static bool measure_element(const struct model *m, const struct particles *p, size_t i, int64_t step,
                             const struct kick *k, struct measures *out)
 {
@@ -134,7 +135,7 @@ static bool measure_element(const struct model *m, const struct particles *p, si
     double x = p->r[2 * i], y = p->r[2 * i + 1], work = p->work != NULL ? p->work[i] : 0.0;
     double temperature = particles_temperature(p, m, i);
     if (p->flags[i] & ELEMENT_FIXED_MOTION)
-        work += share * leapfrog_kick_time(m, step) * drive_power(p, i, k);
+        work += share * leapfrog_kick_time(m, step) * find_drive_power(p, i, k);
     bool fits =
         exact_add(&out->kinetic, 0.5 * mass * (v[0] * v[0] + v[1] * v[1]) + 0.5 * spin * w, s->energy);
     fits &= exact_add(&out->thermal, p->heat[i] + k->heat_now + share * k->heat_damped, s->energy);
@@ -149,7 +150,7 @@ static bool measure_element(const struct model *m, const struct particles *p, si
     fits &= exact_add(&out->momentum[1], mass * v[1], s->momentum);
     fits &= exact_add(&out->angular, mass * (x * v[1] - y * v[0]) + spin, s->momentum);
     out->elements++;
-    double pressure = pressure_of(m, p, i);
+    double pressure = find_pressure(m, p, i);
     out->p_min = pressure < out->p_min ? pressure : out->p_min;
     out->p_max = pressure > out->p_max ? pressure : out->p_max;
     out->t_max = temperature > out->t_max ? temperature : out->t_max;
@@ -165,8 +166,8 @@ static bool measure_element(const struct model *m, const struct particles *p, si
     return fits;
 }
 
-static enum dm2_status out_of_range(const struct particles *p, size_t i, int64_t step, const char *what,
-                                    struct dm2_error *err)
+static enum dm2_status fail_out_of_range(const struct particles *p, size_t i, int64_t step, const char *what,
+                                         struct dm2_error *err)
 {
     return dm2_fail(err, DM2_NUMERIC,
                     "step %lld: element %u at (%g, %g) cm %s (velocity (%g, %g) cm/us): the run is unstable; "
@@ -176,10 +177,17 @@ static enum dm2_status out_of_range(const struct particles *p, size_t i, int64_t
                     p->v[2 * i + 1]);
 }
 
-/* Everything that one step does to the owned elements, compiled for decks with near pairs and without.
- * Returns the largest squared speed; *bad is the first slot that is too fast or not finite, n_own where all
- * is well. The columns are named by a copy that nobody else knows, so that storing to one does not make the
- * processor fetch all their places anew. */
+/* Coordinate a, x or y, of an element that has drifted to r, back in the domain across a periodic side. */
+DM2_INLINE double wrap_position(const struct grid *grid, size_t a, double r)
+{
+    double low = grid->origin[a], size = grid->size[a];
+    return !grid->periodic[a] ? r : r >= low + size ? r - size : r < low ? r + size : r;
+}
+
+/* Kicks and drifts the owned elements; compiled apart for decks with near pairs and without. Returns the
+ * largest squared speed; *bad is the first slot whose squared speed is not below limit2, n_own if there is
+ * none. `own` is a copy of the columns that no other pointer reaches, so that a store to one column does not
+ * force the processor to reload the addresses of all. */
 DM2_INLINE double kick_and_drift(const struct model *m, const struct particles *columns, double dt_kick,
                                  double limit2, bool near, size_t *bad)
 {
@@ -190,7 +198,7 @@ DM2_INLINE double kick_and_drift(const struct model *m, const struct particles *
     double dt = c->dt, fastest2 = 0.0;
     *bad = p->n_own;
     for (size_t i = 0; i < p->n_own; i++) {
-        struct kick k = kick_of(m, p, i, dt_kick, near);
+        struct kick k = find_kick(m, p, i, dt_kick, near);
         double v[2] = {p->v[2 * i] + k.dv[0], p->v[2 * i + 1] + k.dv[1]},
                r[2] = {p->r[2 * i], p->r[2 * i + 1]};
         double speed2 = v[0] * v[0] + v[1] * v[1];
@@ -200,15 +208,11 @@ DM2_INLINE double kick_and_drift(const struct model *m, const struct particles *
         }
         for (size_t a = 0; a < 2; a++) {
             r[a] += v[a] * dt;
-            if (periodic && m->grid.periodic[a]) {
-                double low = m->grid.origin[a], size = m->grid.size[a];
-                r[a] = r[a] >= low + size ? r[a] - size : r[a] < low ? r[a] + size : r[a];
-            }
             p->v[2 * i + a] = v[a];
-            p->r[2 * i + a] = r[a];
+            p->r[2 * i + a] = periodic ? wrap_position(&m->grid, a, r[a]) : r[a];
         }
         if (p->work != NULL && (p->flags[i] & ELEMENT_FIXED_MOTION))
-            p->work[i] += drive_power(p, i, &k) * dt_kick;
+            p->work[i] += find_drive_power(p, i, &k) * dt_kick;
         else if (pulled)
             p->work[i] += p->mass[i] * (c->gravity[0] * v[0] + c->gravity[1] * v[1]) * dt;
         if (near) {
@@ -239,9 +243,9 @@ enum dm2_status leapfrog_move(const struct model *m, struct particles *p, int64_
     double dt = m->config->dt, dt_kick = leapfrog_kick_time(m, step);
     double edge = m->grid.lx < m->grid.ly ? m->grid.lx : m->grid.ly, limit2 = (edge / dt) * (edge / dt);
     for (size_t i = 0; out != NULL && i < p->n_own; i++) {
-        struct kick k = kick_of(m, p, i, dt_kick, m->has_near);
+        struct kick k = find_kick(m, p, i, dt_kick, m->has_near);
         if (!measure_element(m, p, i, step, &k, out))
-            return out_of_range(p, i, step, "left the range that sums can hold", err);
+            return fail_out_of_range(p, i, step, "left the range that sums can hold", err);
     }
     if (!drift)
         return DM2_OK;
@@ -249,7 +253,7 @@ enum dm2_status leapfrog_move(const struct model *m, struct particles *p, int64_
     double fastest2 = m->has_near ? kick_and_drift_near(m, p, dt_kick, limit2, &bad)
                                   : kick_and_drift_far(m, p, dt_kick, limit2, &bad);
     if (bad < p->n_own)
-        return out_of_range(p, bad, step, "would move further than a cell edge in one step", err);
+        return fail_out_of_range(p, bad, step, "would move further than a cell edge in one step", err);
     *dmax = sqrt(fastest2) * dt;
     return DM2_OK;
 }
