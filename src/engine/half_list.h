@@ -1,5 +1,5 @@
-/* Half lists: a pair stands in the row of its lower slot, which is owned. The part of the neighbour lists
- * (lists.h) that the lists drawn from them, inner.h and links.h, see. */
+/* Half lists: a pair is in the row of its lower slot, which is owned. lists.h builds the two half lists of a
+ * subdomain; inner.h and links.h draw their lists from these two. */
 #ifndef DM2_ENGINE_HALF_LIST_H
 #define DM2_ENGINE_HALF_LIST_H
 

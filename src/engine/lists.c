@@ -118,7 +118,7 @@ static bool is_link_missing(const struct builder *b, uint32_t i, uint32_t j)
     return flaws_miss(b->m->config, ends[0], ends[1], apart);
 }
 
-/* Adds a near entry for the pair if it needs one, linked if it starts so; notes an overlap. */
+/* Adds the near entry of a pair that is linked at the start or within reach; notes an overlap. */
 static void consider_near(struct builder *b, uint32_t i, uint32_t j, double r2)
 {
     const struct particles *p = b->p;

@@ -395,11 +395,14 @@ DM2_INLINE void interact(struct pass *pass, struct lists *l, const struct pair_l
     for (int c = 0; tangential && c < SIMD_LANES; c++)
         l->spring[q->k[c]] = spring[c];
     pulled = pulled & ~*left;
-    for (int c = 0; yields && any_lane(&pulled) && c < SIMD_LANES; c++)
-        if (pulled[c])
-            l->stretch[q->k[c]] = stretch[c];
+    if (yields && any_lane(&pulled)) {
+        for (int c = 0; c < SIMD_LANES; c++)
+            if (pulled[c])
+                l->stretch[q->k[c]] = stretch[c];
+    }
 }
 
+/* All quads of the part; compiled apart for each combination of the flags. */
 DM2_INLINE void interact_groups(struct pass *pass, struct lists *l, bool spin, bool periodic, bool measure,
                                 take_single *single)
 {

@@ -19,9 +19,10 @@
 
 enum strain_sum { RXX, RYY, RXY, UXX, UXY, UYX, UYY }; /* UXY: du_x r_y */
 
-static const double quantum_bits = 0x1p48;
-static const double range =
-    0x1p57; /* of the part of one pair: the sums of 64 pairs of one element still fit */
+static const double quantum_bits = 0x1p48; /* quanta in r0^2 */
+
+/* Of the part of one pair: the sums of 64 pairs of one element still fit. */
+static const double range = 0x1p57;
 
 /* Neighbours whose second moments have det <= 2^-6 (trace)^2 lie on one line, within some 14 degrees: their
  * motion across the line is noise. */

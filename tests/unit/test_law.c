@@ -1,6 +1,6 @@
 /* The pair law: potentials against their closed forms and against the slope of their energies, yield lengths
- * against the force there, damping and conduction against their equations, and the promise that exchanging
- * the two elements changes signs alone, to the last bit. */
+ * against the force at these lengths, damping and conduction against their equations, and the invariant that
+ * the exchange of the two elements changes only signs, to the last bit. */
 #include "check.h"
 
 #include "engine/law.h"
@@ -90,7 +90,7 @@ TEST(yield_lengths_carry_the_cap)
         CHECK_NEAR_REL(potential_force(&law, law_yield_length(&law, r0, cap, true), r0, &u), -cap, 1e-12);
         CHECK_NEAR_REL(potential_force(&law, law_yield_length(&law, r0, cap, false), r0, &u), cap, 1e-12);
     }
-    /* Attractions that are never reached. */
+    /* caps that no attraction reaches */
     struct pair_law morse = law_of(POTENTIAL_MORSE), lj = law_of(POTENTIAL_LENNARD_JONES);
     CHECK(isinf(law_yield_length(&morse, r0, 0.26 * morse.k * r0 / morse.shape, true)));
     CHECK(isinf(law_yield_length(&lj, r0, 0.05 * lj.k * r0, true)));
@@ -120,8 +120,7 @@ static struct pair_law swap_law(struct pair_law law)
         v.field##_j = swap_kept;                                                                             \
     } while (0)
 
-/* The pair as seen from the other element: n and t turn round with the relative velocity, so vn and vt stay.
- */
+/* The pair as seen from the other element: n, t and the relative velocity change sign, so vn and vt stay. */
 static struct pair_view swap_view(struct pair_view v)
 {
     SWAP(radius);
@@ -178,7 +177,7 @@ static struct pair_state random_state(void)
     return s;
 }
 
-/* The effect of a pair on i, and the effect of the exchanged pair on its i, which is j. */
+/* one: the effect of a pair; two: the effect of the exchanged pair. */
 static void check_exchanged(const struct pair_effect *one, const struct pair_effect *two)
 {
     CHECK_SAME_BITS(one->fn, two->fn);
@@ -215,13 +214,14 @@ TEST(exchange_changes_signs_alone)
         if (!s.linked)
             CHECK(one.fn >= 0.0); /* an unlinked contact never pulls */
         CHECK(one.heat_damped >= 0.0);
-        CHECK(one.heat >= 0.0 || start.spring * s.spring <= 0.0); /* or a spring beyond its cap swung round */
+        CHECK(one.heat >= 0.0 ||
+              start.spring * s.spring <= 0.0); /* or a spring beyond its cap has changed sign */
     }
     CHECK(yielded > 1000 && slid > 1000 && broken > 300 && formed > 300);
 }
 
-/* A bond drawn out beyond its strength holds the cap, keeps the stretch when it is let go, and the work done
- * on it is what it stores and what it frees as heat. */
+/* A bond that is stretched beyond its strength holds the cap and keeps the stretch when the load is taken
+ * off; the work done on the bond is the sum of its potential energy and the heat freed. */
 TEST(tension_yield_is_a_return_map)
 {
     for (int p = 0; p < 3; p++) {
@@ -233,7 +233,7 @@ TEST(tension_yield_is_a_return_map)
         struct pair_state s = {.linked = true};
         struct pair_effect e = {0};
         int steps = 40000;
-        for (int k = 0; k <= 2 * steps; k++) { /* out by 10 %, and in by 3 % */
+        for (int k = 0; k <= 2 * steps; k++) { /* stretched by 10 %, then compressed by 3 % */
             double x = k <= steps ? (double)k / steps : 2.3 - 1.3 * (double)k / steps;
             struct pair_view v = {.r = r0 * (1.0 + 0.1 * x),
                                   .over_r = 1.0 / (r0 * (1.0 + 0.1 * x)),
@@ -254,7 +254,7 @@ TEST(tension_yield_is_a_return_map)
                 CHECK_NEAR(s.stretch, 1.1 * r0 - law_yield_length(&law, r0, cap, true), 1e-15);
             }
         }
-        CHECK_SAME_BITS(s.stretch, 0.0); /* the void is closed again: no stretched link pushes */
+        CHECK_SAME_BITS(s.stretch, 0.0); /* the void is closed: no stretched link pushes */
         CHECK_NEAR_REL(work, heat + e.potential, 1e-3);
     }
 }
@@ -297,11 +297,11 @@ TEST(damping_follows_pressure_and_temperature)
     pair_interact(&law, &v, 1.0, 1.0, &s, &e);
     CHECK_NEAR_REL(e.fdn, 0.02 * plain * (1.0 + a_p * 0.2 + a_t * 250.0), 1e-14);
     CHECK_NEAR_REL(e.heat_damped, 0.02 * e.fdn, 1e-14);
-    law.a_t = -0.1; /* would feed energy in */
+    law.a_t = -0.1; /* a factor below 0 would add energy */
     pair_interact(&law, &v, 1.0, 1.0, &s, &e);
     CHECK_NEAR(e.fdn, 0.0, 0.0);
     law.a_t = a_t;
-    v.vn = 0.02; /* they part: a link holds back, a contact lets go */
+    v.vn = 0.02; /* separating: a link pulls, a contact does not */
     pair_interact(&law, &v, 1.0, 1.0, &s, &e);
     CHECK(e.fn < 0.0);
     s.linked = false;
@@ -309,7 +309,7 @@ TEST(damping_follows_pressure_and_temperature)
     CHECK_NEAR(e.fn, 0.0, 0.0);
 }
 
-/* Q = kappa (A/r)(T_j - T_i) dt, A = r0/sqrt(3), in a link and in a contact; none without either. */
+/* Q = kappa (A/r)(T_j - T_i) dt, A = r0/sqrt(3), in a link and in a contact; 0 for any other pair. */
 TEST(conduction_is_fouriers)
 {
     struct pair_law law = {.potential = POTENTIAL_QUADRATIC,
