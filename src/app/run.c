@@ -123,11 +123,10 @@ static enum dm2_status read_state(const char *path, const struct run *run, struc
         status = dm2_fail(err, DM2_PROTOCOL, "%s: is of step %lld, the run has %lld: give more with --steps",
                           path, (long long)out->step, (long long)run->config.steps);
     }
-    for (size_t k = 0; k < n && status == DM2_OK; k++)
-        if (out->elements[k].body >= run->config.n_bodies ||
-            out->elements[k].kind >= config_kinds(&run->config))
-            status = dm2_fail(err, DM2_PROTOCOL,
-                              "%s: element %zu is of a body or a kind that the deck does not have", path, k);
+    if (status == DM2_OK) {
+        const struct record_limits limits = record_limits_of(run->model);
+        status = state_check(path, out, &limits, err);
+    }
     if (status != DM2_OK)
         state_free(out);
     return status;

@@ -20,7 +20,7 @@ static struct compilation *find_state(struct collection *c, enum state_purpose p
 static enum dm2_status open_state(struct collection *c, enum state_purpose purpose, struct dm2_error *err)
 {
     struct compilation *state = find_state(c, purpose);
-    state_merge_open(&state->merge, wire_limits_of(c->job->model));
+    state_merge_open(&state->merge, record_limits_of(c->job->model));
     state->whole = mem_zalloc((size_t)c->talk->ranks, sizeof *state->whole);
     return state->whole != NULL ? DM2_OK
                                 : dm2_fail(err, DM2_MEMORY, "no memory for %d servers", c->talk->ranks);

@@ -25,7 +25,7 @@ enum dm2_status course_open(struct course *course, const struct client_job *job,
     if (job == NULL)
         return DM2_OK;
     course->decomposition = job->decomposition;
-    state_merge_open(&course->copy, wire_limits_of(job->model));
+    state_merge_open(&course->copy, record_limits_of(job->model));
     copy_plan_start(&course->plan, options->recover ? options->copy_every : 0,
                     job->start != NULL ? job->start->step : 0);
     return DM2_OK;

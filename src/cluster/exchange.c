@@ -18,7 +18,7 @@ enum dm2_status exchange_open(struct exchange *x, const struct model *model, int
     *x = (struct exchange){.rank = rank,
                            .ranks = ranks,
                            .width = subdomain_update_width(model),
-                           .limits = wire_limits_of(model)};
+                           .limits = record_limits_of(model)};
     x->out = mem_zalloc((size_t)ranks, sizeof *x->out);
     x->in = mem_zalloc((size_t)ranks, sizeof *x->in);
     x->came = mem_zalloc((size_t)ranks, 1);

@@ -11,7 +11,7 @@
 struct exchange {
     int rank, ranks;
     size_t width; /* doubles per element of an update */
-    struct wire_limits limits;
+    struct record_limits limits;
     double *values; /* those of one segment */
     size_t values_cap;
     struct parcel *out;  /* by destination: the parcels of subdomain_sort_out */

@@ -62,7 +62,7 @@ static bool make_room(struct received_state *in, size_t n_elements, size_t n_pai
 static enum dm2_status take_part(struct received_state *in, const struct model *model,
                                  const struct state_message *m, struct bytes_reader *r, struct dm2_error *err)
 {
-    const struct wire_limits limits = wire_limits_of(model);
+    const struct record_limits limits = record_limits_of(model);
     if (!m->last && m->n_elements == 0 && m->n_pairs == 0)
         return dm2_fail(err, DM2_PROTOCOL, "the client sent an empty part of a state");
     if (in->n_pairs + m->n_pairs > WIRE_PAIRS_MOST * limits.elements)

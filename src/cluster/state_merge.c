@@ -7,7 +7,7 @@
 
 #include "dm2/base/mem.h"
 
-void state_merge_open(struct state_merge *m, struct wire_limits limits)
+void state_merge_open(struct state_merge *m, struct record_limits limits)
 {
     *m = (struct state_merge){.limits = limits};
 }

@@ -12,7 +12,7 @@
 #include "dm2/engine/element.h"
 
 struct state_merge {
-    struct wire_limits limits;
+    struct record_limits limits;
     struct element *elements;         /* [limits.elements] by id */
     struct element_measure *measured; /* [limits.elements] by id; filled for snapshots only */
     unsigned char *seen;              /* [limits.elements] by id: the element has come */
@@ -22,7 +22,7 @@ struct state_merge {
 };
 
 /* Allocates nothing; state_merge_add allocates with the first part. state_merge_free frees what *m owns. */
-void state_merge_open(struct state_merge *m, struct wire_limits limits);
+void state_merge_open(struct state_merge *m, struct record_limits limits);
 void state_merge_free(struct state_merge *m);
 
 /* Forgets all elements and pairs, for the next state. */

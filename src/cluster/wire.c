@@ -10,13 +10,6 @@
 #include "dm2/base/mem.h"
 #include "dm2/deck/config.h"
 
-struct wire_limits wire_limits_of(const struct model *model)
-{
-    const struct config *c = model_config(model);
-    return (struct wire_limits){
-        .elements = model_elements(model), .bodies = c->n_bodies, .kinds = config_kinds(c)};
-}
-
 static void require(struct bytes_reader *r, bool holds)
 {
     if (!holds)
@@ -32,67 +25,24 @@ static double get_finite(struct bytes_reader *r)
 
 void wire_put_mirror(struct bytes_writer *w, const struct element *e)
 {
-    bytes_put_u32(w, e->id);
-    bytes_put_u32(w, e->grain);
-    bytes_put_u16(w, e->body);
-    bytes_put_u16(w, e->kind);
-    bytes_put_u8(w, e->flags);
-    bytes_put_u8(w, e->probes);
-    bytes_put_f64(w, e->radius);
-    bytes_put_f64(w, e->mass);
-    bytes_put_f64s(w, e->r, 2);
-    bytes_put_f64s(w, e->v, 2);
-    bytes_put_f64(w, e->w);
-    bytes_put_f64(w, e->heat);
-    bytes_put_f64(w, e->p);
-    bytes_put_u16(w, e->was);
-    bytes_put_f64s(w, e->share, 2);
+    record_put(w, RECORD_MIRROR, e);
 }
 
 void wire_put_element(struct bytes_writer *w, const struct element *e)
 {
-    wire_put_mirror(w, e);
-    bytes_put_f64(w, e->work);
-    bytes_put_f64s(w, e->strain, 3);
-    bytes_put_f64(w, e->moved);
-    bytes_put_u16(w, e->bonds);
+    record_put(w, RECORD_OWNED, e);
 }
 
-void wire_get_mirror(struct bytes_reader *r, const struct wire_limits *limits, struct element *out)
+void wire_get_mirror(struct bytes_reader *r, const struct record_limits *limits, struct element *out)
 {
-    *out = (struct element){0};
-    out->id = bytes_get_u32(r);
-    out->grain = bytes_get_u32(r);
-    out->body = bytes_get_u16(r);
-    out->kind = bytes_get_u16(r);
-    out->flags = bytes_get_u8(r);
-    out->probes = bytes_get_u8(r);
-    out->radius = get_finite(r);
-    out->mass = get_finite(r);
-    out->r[0] = get_finite(r);
-    out->r[1] = get_finite(r);
-    out->v[0] = get_finite(r);
-    out->v[1] = get_finite(r);
-    out->w = get_finite(r);
-    out->heat = get_finite(r);
-    out->p = get_finite(r);
-    out->was = bytes_get_u16(r);
-    for (int k = 0; k < 2; k++)
-        out->share[k] = get_finite(r);
-    require(r, out->id < limits->elements && out->body < limits->bodies && out->kind < limits->kinds &&
-                   out->was < limits->kinds);
-    require(r, out->share[0] >= 0 && out->share[1] >= 0 && out->share[0] <= 1 && out->share[1] <= 1);
-    require(r, (out->flags & ~ELEMENT_FIXED_MOTION) == 0 && out->radius > 0 && out->mass > 0);
+    record_get(r, RECORD_MIRROR, out);
+    require(r, record_fault(out, limits) == NULL);
 }
 
-void wire_get_element(struct bytes_reader *r, const struct wire_limits *limits, struct element *out)
+void wire_get_element(struct bytes_reader *r, const struct record_limits *limits, struct element *out)
 {
-    wire_get_mirror(r, limits, out);
-    out->work = get_finite(r);
-    for (int k = 0; k < 3; k++)
-        out->strain[k] = get_finite(r);
-    out->moved = get_finite(r);
-    out->bonds = bytes_get_u16(r);
+    record_get(r, RECORD_OWNED, out);
+    require(r, record_fault(out, limits) == NULL);
 }
 
 void wire_put_pair(struct bytes_writer *w, const struct pair_record *p)
@@ -104,7 +54,7 @@ void wire_put_pair(struct bytes_writer *w, const struct pair_record *p)
     bytes_put_f64(w, p->spring);
 }
 
-void wire_get_pair(struct bytes_reader *r, const struct wire_limits *limits, struct pair_record *out)
+void wire_get_pair(struct bytes_reader *r, const struct record_limits *limits, struct pair_record *out)
 {
     out->id_a = bytes_get_u32(r);
     out->id_b = bytes_get_u32(r);
@@ -235,7 +185,7 @@ static void put_elements(struct bytes_writer *w, const struct element *e, size_t
         wire_put_element(w, &e[k]);
 }
 
-static struct element *get_elements(struct bytes_reader *r, const struct wire_limits *limits, size_t *n,
+static struct element *get_elements(struct bytes_reader *r, const struct record_limits *limits, size_t *n,
                                     bool mirrors)
 {
     *n = bytes_get_count(r, mirrors ? WIRE_MIRROR : WIRE_ELEMENT);
@@ -259,7 +209,7 @@ void wire_put_parcel(struct bytes_writer *w, const struct parcel *p)
     put_elements(w, p->mirrors, p->n_mirrors, true);
 }
 
-void wire_get_parcel(struct bytes_reader *r, const struct wire_limits *limits, struct parcel *out)
+void wire_get_parcel(struct bytes_reader *r, const struct record_limits *limits, struct parcel *out)
 {
     *out = (struct parcel){0};
     out->migrants = get_elements(r, limits, &out->n_migrants, false);

@@ -24,7 +24,7 @@ static const char magic[8] = {'D', 'M', '2', 'S', 'T', 'A', 'T', 'E'};
 
 enum {
     HEADER_BYTES = 8 + 4 + STATE_DIGEST_BYTES + 4 * 8,
-    ELEMENT_BYTES = 4 + 4 + 2 + 2 + 1 + 1 + 9 * 8 + 4 * 8 + 2 + 3 * 8 + 2,
+    ELEMENT_BYTES = RECORD_BYTES,
     PAIR_BYTES = 4 + 4 + 1 + 2 * 8,
     CRC_BYTES = 4,
     BLOCK_BYTES = 1 << 16
@@ -47,29 +47,6 @@ static void put_header(struct bytes_writer *w, const struct state_view *s)
     bytes_put_i64(w, s->step);
     bytes_put_u64(w, s->n_elements);
     bytes_put_u64(w, s->n_pairs);
-}
-
-static void put_element(struct bytes_writer *w, const struct element *e)
-{
-    bytes_put_u32(w, e->id);
-    bytes_put_u32(w, e->grain);
-    bytes_put_u16(w, e->body);
-    bytes_put_u16(w, e->kind);
-    bytes_put_u8(w, e->flags);
-    bytes_put_u8(w, e->probes);
-    bytes_put_f64(w, e->radius);
-    bytes_put_f64(w, e->mass);
-    bytes_put_f64s(w, e->r, 2);
-    bytes_put_f64s(w, e->v, 2);
-    bytes_put_f64(w, e->w);
-    bytes_put_f64(w, e->heat);
-    bytes_put_f64(w, e->p);
-    bytes_put_f64(w, e->work);
-    bytes_put_f64s(w, e->strain, 3);
-    bytes_put_u16(w, e->bonds);
-    bytes_put_u16(w, e->was);
-    bytes_put_f64s(w, e->share, 2);
-    bytes_put_f64(w, e->moved);
 }
 
 static void put_pair(struct bytes_writer *w, const struct pair_record *p)
@@ -104,7 +81,7 @@ static void encode(struct encoder *e, const struct state_view *s)
             element = s->elements[i];
         assert(i == 0 || before < element.id);
         before = element.id;
-        put_element(&e->bytes, &element);
+        record_put(&e->bytes, RECORD_STATE, &element);
         drain(e, BLOCK_BYTES);
     }
     for (size_t i = 0; i < s->n_pairs; i++) {
@@ -203,45 +180,16 @@ static enum dm2_status check_fingerprint(uint64_t there, const char *path, struc
                     path, there, here);
 }
 
-static void get_element(struct bytes_reader *r, struct element *e)
+/* Refuses an element with an invalid field; limits NULL: any index is valid. */
+static enum dm2_status check_element(const char *path, const struct element *e,
+                                     const struct record_limits *limits, struct dm2_error *err)
 {
-    e->id = bytes_get_u32(r);
-    e->grain = bytes_get_u32(r);
-    e->body = bytes_get_u16(r);
-    e->kind = bytes_get_u16(r);
-    e->flags = bytes_get_u8(r);
-    e->probes = bytes_get_u8(r);
-    e->radius = bytes_get_f64(r);
-    e->mass = bytes_get_f64(r);
-    bytes_get_f64s(r, e->r, 2);
-    bytes_get_f64s(r, e->v, 2);
-    e->w = bytes_get_f64(r);
-    e->heat = bytes_get_f64(r);
-    e->p = bytes_get_f64(r);
-    e->work = bytes_get_f64(r);
-    bytes_get_f64s(r, e->strain, 3);
-    e->bonds = bytes_get_u16(r);
-    e->was = bytes_get_u16(r);
-    bytes_get_f64s(r, e->share, 2);
-    e->moved = bytes_get_f64(r);
-}
-
-/* NULL, or what is wrong with the element. */
-static const char *fault_of_element(const struct element *e, const struct element *before)
-{
-    const double numbers[] = {e->radius,    e->mass,     e->r[0],     e->r[1], e->v[0],      e->v[1],
-                              e->w,         e->heat,     e->p,        e->work, e->strain[0], e->strain[1],
-                              e->strain[2], e->share[0], e->share[1], e->moved};
-    for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++)
-        if (!isfinite(numbers[k]))
-            return "has a number that is not finite";
-    if (before != NULL && e->id <= before->id)
-        return "is out of order or there twice";
-    if (!(e->radius > 0) || !(e->mass > 0))
-        return "has a radius or a mass that is not positive";
-    if ((e->flags & ~(unsigned)ELEMENT_FIXED_MOTION) != 0)
-        return "has a flag that this program does not know";
-    return NULL;
+    const struct element_field *fault = record_fault(e, limits);
+    char text[RECORD_FAULT_TEXT];
+    if (fault == NULL)
+        return DM2_OK;
+    record_describe_fault(fault, e, limits, text);
+    return dm2_fail(err, DM2_PROTOCOL, "%s: element %" PRIu32 " %s", path, e->id, text);
 }
 
 static const char *fault_of_pair(const struct state *s, const struct pair_record *p,
@@ -266,10 +214,13 @@ static enum dm2_status get_records(struct bytes_reader *r, const char *path, str
 {
     for (size_t i = 0; i < s->n_elements; i++) {
         struct element *e = &s->elements[i];
-        get_element(r, e);
-        const char *fault = fault_of_element(e, i == 0 ? NULL : e - 1);
-        if (fault != NULL)
-            return dm2_fail(err, DM2_PROTOCOL, "%s: element %" PRIu32 " %s", path, e->id, fault);
+        record_get(r, RECORD_STATE, e);
+        if (i > 0 && e->id <= e[-1].id)
+            return dm2_fail(err, DM2_PROTOCOL, "%s: element %" PRIu32 " is out of order or there twice", path,
+                            e->id);
+        enum dm2_status status = check_element(path, e, NULL, err);
+        if (status != DM2_OK)
+            return status;
     }
     for (size_t i = 0; i < s->n_pairs; i++) {
         struct pair_record *p = &s->pairs[i];
@@ -320,6 +271,15 @@ enum dm2_status state_read(const char *path, struct state *out, struct dm2_error
     free(bytes);
     if (status != DM2_OK)
         state_free(out);
+    return status;
+}
+
+enum dm2_status state_check(const char *path, const struct state *s, const struct record_limits *limits,
+                            struct dm2_error *err)
+{
+    enum dm2_status status = DM2_OK;
+    for (size_t k = 0; k < s->n_elements && status == DM2_OK; k++)
+        status = check_element(path, &s->elements[k], limits, err);
     return status;
 }
 

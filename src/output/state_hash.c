@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "dm2/base/mem.h"
+#include "dm2/engine/record.h"
 
 /* One round of splitmix64 (Steele, Lea and Flood, 2014) over the running value. */
 static uint64_t mix(uint64_t h, uint64_t value)
@@ -28,10 +29,9 @@ uint64_t state_hash_element(const struct element *e)
     uint64_t h = mix(1, e->id);
     h = mix(h, (uint64_t)e->was << 48 | (uint64_t)e->bonds << 32 | e->grain);
     h = mix(h, (uint64_t)e->body << 32 | (uint64_t)e->kind << 16 | (uint64_t)e->flags << 8 | e->probes);
-    const double fields[] = {e->radius,    e->mass,     e->r[0],     e->r[1], e->v[0],      e->v[1],
-                             e->w,         e->heat,     e->p,        e->work, e->strain[0], e->strain[1],
-                             e->strain[2], e->share[0], e->share[1], e->moved};
-    for (size_t k = 0; k < sizeof fields / sizeof fields[0]; k++)
+    double fields[ELEMENT_DOUBLES];
+    record_doubles(e, fields);
+    for (size_t k = 0; k < ELEMENT_DOUBLES; k++)
         h = mix_double(h, fields[k]);
     return h;
 }

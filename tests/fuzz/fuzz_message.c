@@ -8,7 +8,7 @@
 enum { PARCEL = 100, RECORDS = 101 };
 
 /* Reads one record of each kind. */
-static void get_records(struct bytes_reader *r, const struct wire_limits *limits)
+static void get_records(struct bytes_reader *r, const struct record_limits *limits)
 {
     struct element e;
     struct pair_record p;
@@ -75,7 +75,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     struct deck_message deck;
     struct assign_message assign;
     struct parcel parcel;
-    const struct wire_limits limits = {.elements = 1000, .bodies = 4, .kinds = 4};
+    const struct record_limits limits = {.elements = 1000, .bodies = 4, .kinds = 4, .probes = 8};
     if (size == 0)
         return 0;
     struct bytes_reader r = bytes_reader_of(data + 1, size - 1);

@@ -6,6 +6,7 @@
 
 #include "check.h"
 #include "deck_help.h"
+#include "record_help.h"
 
 #include "dm2/cluster/decomposition.h"
 #include "dm2/engine/model.h"
@@ -257,16 +258,7 @@ static inline void engine_state_free(struct engine_state *s)
 
 static inline bool engine_same_element(const struct element *a, const struct element *b)
 {
-    return a->id == b->id && a->grain == b->grain && a->body == b->body && a->kind == b->kind &&
-           a->flags == b->flags && a->probes == b->probes &&
-           memcmp(&a->radius, &b->radius, sizeof a->radius) == 0 &&
-           memcmp(&a->mass, &b->mass, sizeof a->mass) == 0 && memcmp(a->r, b->r, sizeof a->r) == 0 &&
-           memcmp(a->v, b->v, sizeof a->v) == 0 && memcmp(&a->w, &b->w, sizeof a->w) == 0 &&
-           memcmp(&a->heat, &b->heat, sizeof a->heat) == 0 && memcmp(&a->p, &b->p, sizeof a->p) == 0 &&
-           memcmp(&a->work, &b->work, sizeof a->work) == 0 && a->was == b->was &&
-           memcmp(a->share, b->share, sizeof a->share) == 0 &&
-           memcmp(&a->moved, &b->moved, sizeof a->moved) == 0 &&
-           memcmp(a->strain, b->strain, sizeof a->strain) == 0 && a->bonds == b->bonds;
+    return record_difference(a, b, false) == NULL;
 }
 
 static inline bool engine_same_pair(const struct pair_record *a, const struct pair_record *b)

@@ -1,6 +1,7 @@
 /* The state file: round trip, canonical bytes, and every way of being damaged. */
 #include "check.h"
 #include "fake_state.h"
+#include "record_help.h"
 #include "scratch.h"
 
 #include "dm2/base/crc32c.h"
@@ -42,29 +43,6 @@ static const char *failure(const char *name)
     return err.text;
 }
 
-static void check_element(const struct element *got, const struct element *want)
-{
-    CHECK_EQ_INT(got->id, want->id);
-    CHECK_EQ_INT(got->grain, want->grain);
-    CHECK_EQ_INT(got->body, want->body);
-    CHECK_EQ_INT(got->kind, want->kind);
-    CHECK_EQ_INT(got->flags, want->flags);
-    CHECK_EQ_INT(got->probes, want->probes);
-    CHECK_SAME_BITS(got->radius, want->radius);
-    CHECK_SAME_BITS(got->mass, want->mass);
-    CHECK_SAME_BITS(got->r[0], want->r[0]);
-    CHECK_SAME_BITS(got->r[1], want->r[1]);
-    CHECK_SAME_BITS(got->v[0], want->v[0]);
-    CHECK_SAME_BITS(got->v[1], want->v[1]);
-    CHECK_SAME_BITS(got->w, want->w);
-    CHECK_SAME_BITS(got->heat, want->heat);
-    CHECK_SAME_BITS(got->p, want->p);
-    CHECK_SAME_BITS(got->work, want->work);
-    for (int c = 0; c < 3; c++)
-        CHECK_SAME_BITS(got->strain[c], want->strain[c]);
-    CHECK_EQ_INT(got->bonds, want->bonds);
-}
-
 TEST(round_trip)
 {
     struct fake f;
@@ -79,7 +57,7 @@ TEST(round_trip)
     CHECK_EQ_INT(s.n_elements, f.n);
     CHECK_EQ_INT(s.n_pairs, f.n_pairs);
     for (size_t i = 0; i < s.n_elements && i < f.n; i++)
-        check_element(&s.elements[i], &f.elements[i]);
+        CHECK(record_difference(&s.elements[i], &f.elements[i], false) == NULL);
     for (size_t i = 0; i < s.n_pairs && i < f.n_pairs; i++) {
         CHECK_EQ_INT(s.pairs[i].id_a, f.pairs[i].id_a);
         CHECK_EQ_INT(s.pairs[i].id_b, f.pairs[i].id_b);
@@ -220,6 +198,11 @@ static void flagged(struct fake *f)
     f->elements[1].flags = 8;
 }
 
+static void overfull(struct fake *f)
+{
+    f->elements[4].share[1] = 7;
+}
+
 static void repeated_pair(struct fake *f)
 {
     f->pairs[1] = f->pairs[0];
@@ -240,9 +223,38 @@ TEST(impossible_content)
     check_content(infinite, "element 3 has a number that is not finite");
     check_content(massless, "element 2 has a radius or a mass that is not positive");
     check_content(flagged, "element 1 has a flag");
+    check_content(overfull, "g.dm2: element 4 has share 7, 0 to 1 is expected");
     check_content(repeated_pair, "the pair (0, 1) is out of order or there twice");
     check_content(reversed_pair, "the pair (1, 0) does not name its lower element first");
     check_content(absent_pair, ", 77) names an element that is not in the state");
+}
+
+/* Indices that a run does not have are found once the run is known. */
+static void check_indices(uint8_t probes, uint16_t was, const char *want)
+{
+    const struct record_limits limits = {.elements = 9, .bodies = 2, .kinds = 2, .probes = 2};
+    struct fake f;
+    struct state s;
+    struct dm2_error err = {0};
+    fake_make(&f, 3, 3);
+    f.elements[5].probes = probes;
+    f.elements[5].was = was;
+    write_fake(&f, "j.dm2");
+    CHECK_EQ_INT(state_read(scratch_path("j.dm2"), &s, &err), DM2_OK);
+    CHECK_EQ_INT(state_check("j.dm2", &s, &limits, &err), *want == '\0' ? DM2_OK : DM2_PROTOCOL);
+    CHECK_STR(err.text, want);
+    state_free(&s);
+    fake_free(&f);
+}
+
+TEST(indices_of_another_run)
+{
+    check_indices(3, 1, "");
+    check_indices(4, 1, "j.dm2: element 5 belongs to probe 2, counted from 0; the deck has 2");
+    check_indices(
+        0, 2,
+        "j.dm2: element 5 is of a body or a kind that the deck does not have: was 2, counted from 0; the "
+        "deck has 2");
 }
 
 /* Changed bytes with the checksum that they should have. */
@@ -304,4 +316,4 @@ TEST(end)
 
 TEST_MAIN(CASE(begin), CASE(round_trip), CASE(bytes_are_canonical), CASE(no_elements), CASE(every_truncation),
           CASE(every_flipped_bit), CASE(foreign_files), CASE(trailing_bytes), CASE(impossible_content),
-          CASE(elements_out_of_order), CASE(another_arithmetic), CASE(end))
+          CASE(indices_of_another_run), CASE(elements_out_of_order), CASE(another_arithmetic), CASE(end))

@@ -1,11 +1,12 @@
 /* Records and messages as bytes: out and in again, their sizes, and every cut and changed byte. */
 #include "check.h"
+#include "record_help.h"
 
 #include "dm2/cluster/messages.h"
 #include "dm2/cluster/wire.h"
 #include "cluster/state_merge.h"
 
-static const struct wire_limits limits = {.elements = 1000, .bodies = 2, .kinds = 3};
+static const struct record_limits limits = {.elements = 1000, .bodies = 2, .kinds = 3, .probes = 6};
 
 static struct element some_element(uint32_t id)
 {
@@ -14,7 +15,7 @@ static struct element some_element(uint32_t id)
                             .body = 1,
                             .kind = 2,
                             .flags = ELEMENT_FIXED_MOTION,
-                            .probes = 0x81,
+                            .probes = 0x21,
                             .radius = 0.02,
                             .mass = 0.1 + id,
                             .r = {1.5, -2.5},
@@ -28,24 +29,6 @@ static struct element some_element(uint32_t id)
                             .bonds = 6,
                             .was = 1,
                             .share = {0.25, 0.5}};
-}
-
-/* What travels of a mirror. */
-static bool same_mirror(const struct element *a, const struct element *b)
-{
-    return a->id == b->id && a->grain == b->grain && a->body == b->body && a->kind == b->kind &&
-           a->flags == b->flags && a->probes == b->probes &&
-           memcmp(&a->radius, &b->radius, sizeof(double)) == 0 &&
-           memcmp(&a->mass, &b->mass, sizeof(double)) == 0 && memcmp(a->r, b->r, sizeof a->r) == 0 &&
-           memcmp(a->v, b->v, sizeof a->v) == 0 && memcmp(&a->w, &b->w, sizeof(double)) == 0 &&
-           memcmp(&a->heat, &b->heat, sizeof(double)) == 0 && memcmp(&a->p, &b->p, sizeof(double)) == 0 &&
-           a->was == b->was && memcmp(a->share, b->share, sizeof a->share) == 0;
-}
-
-static bool same_element(const struct element *a, const struct element *b)
-{
-    return same_mirror(a, b) && a->work == b->work && memcmp(a->strain, b->strain, sizeof a->strain) == 0 &&
-           a->moved == b->moved && a->bonds == b->bonds;
 }
 
 /* The parts of a parcel: two migrants with three pairs, and a mirror. */
@@ -87,8 +70,9 @@ TEST(a_parcel_round_trip)
     CHECK_EQ_INT(in.n_migrants, 2);
     CHECK_EQ_INT(in.n_pairs, 3);
     CHECK_EQ_INT(in.n_mirrors, 1);
-    CHECK(same_element(&in.migrants[0], &migrants[0]) && same_element(&in.migrants[1], &migrants[1]));
-    CHECK(same_mirror(&in.mirrors[0], &mirror));
+    CHECK(record_difference(&in.migrants[0], &migrants[0], false) == NULL);
+    CHECK(record_difference(&in.migrants[1], &migrants[1], false) == NULL);
+    CHECK(record_difference(&in.mirrors[0], &mirror, true) == NULL);
     CHECK(in.mirrors[0].work == 0 && in.mirrors[0].bonds == 0); /* for its owner alone */
     for (int k = 0; k < 3; k++)
         CHECK(in.pairs[k].id_a == some_pairs[k].id_a && in.pairs[k].id_b == some_pairs[k].id_b &&
@@ -112,48 +96,70 @@ TEST(a_parcel_round_trip)
     bytes_free(&w);
 }
 
-/* Decoding this element must fail. */
-static void bad_element(struct element e)
+/* The element must not decode: neither alone nor as part of a parcel, nor as a mirror where a mirror has the
+ * invalid field. */
+static void check_refused(struct element e, bool mirrored)
 {
     struct bytes_writer w = {0};
+    struct parcel in, parcels[] = {{.migrants = &e, .n_migrants = 1}, {.mirrors = &e, .n_mirrors = 1}};
+    struct element got;
     wire_put_element(&w, &e);
     struct bytes_reader r = bytes_reader_of(w.data, w.length);
-    wire_get_element(&r, &limits, &e);
+    wire_get_element(&r, &limits, &got);
     CHECK(r.failed);
+    for (int k = 0; k < (mirrored ? 2 : 1); k++) {
+        bytes_clear(&w);
+        wire_put_parcel(&w, &parcels[k]);
+        r = bytes_reader_of(w.data, w.length);
+        wire_get_parcel(&r, &limits, &in);
+        CHECK(r.failed && in.migrants == NULL && in.mirrors == NULL);
+    }
     bytes_free(&w);
 }
 
-TEST(elements_that_cannot_be)
+TEST(invalid_elements)
 {
     struct element e = some_element(1000);
-    bad_element(e);
+    check_refused(e, true);
     e = some_element(1);
     e.body = 2;
-    bad_element(e);
+    check_refused(e, true);
     e = some_element(1);
     e.kind = 3;
-    bad_element(e);
+    check_refused(e, true);
+    e = some_element(1);
+    e.was = 3;
+    check_refused(e, true);
     e = some_element(1);
     e.flags = 2;
-    bad_element(e);
+    check_refused(e, true);
+    e = some_element(1);
+    e.probes = 1 << 6;
+    check_refused(e, true);
+    e = some_element(1);
+    e.share[0] = 7;
+    check_refused(e, true);
+    e = some_element(1);
+    e.share[1] = -0.125;
+    check_refused(e, true);
     e = some_element(1);
     e.r[1] = NAN;
-    bad_element(e);
+    check_refused(e, true);
     e = some_element(1);
     e.v[0] = INFINITY;
-    bad_element(e);
+    check_refused(e, true);
     e = some_element(1);
     e.mass = 0;
-    bad_element(e);
+    check_refused(e, true);
     e = some_element(1);
     e.radius = -1;
-    bad_element(e);
+    check_refused(e, true);
     e = some_element(1);
     e.strain[2] = NAN;
-    bad_element(e);
+    check_refused(e, false);
 }
 
-static void bad_pair(struct pair_record p)
+static void check_pair_refused(struct pair_record p)
 {
     struct bytes_writer w = {0};
     wire_put_pair(&w, &p);
@@ -163,14 +169,14 @@ static void bad_pair(struct pair_record p)
     bytes_free(&w);
 }
 
-TEST(pairs_that_cannot_be)
+TEST(invalid_pairs)
 {
-    bad_pair((struct pair_record){2, 1, 0, 0, 0});
-    bad_pair((struct pair_record){1, 1, 0, 0, 0});
-    bad_pair((struct pair_record){1, 1000, 0, 0, 0});
-    bad_pair((struct pair_record){1, 2, 2, 0, 0});
-    bad_pair((struct pair_record){1, 2, 1, NAN, 0});
-    bad_pair((struct pair_record){1, 2, 1, 0, -INFINITY});
+    check_pair_refused((struct pair_record){2, 1, 0, 0, 0});
+    check_pair_refused((struct pair_record){1, 1, 0, 0, 0});
+    check_pair_refused((struct pair_record){1, 1000, 0, 0, 0});
+    check_pair_refused((struct pair_record){1, 2, 2, 0, 0});
+    check_pair_refused((struct pair_record){1, 2, 1, NAN, 0});
+    check_pair_refused((struct pair_record){1, 2, 1, 0, -INFINITY});
 }
 
 static struct measures some_measures(void)
@@ -375,7 +381,7 @@ TEST(a_state_is_compiled_from_parts)
 {
     struct state_merge m;
     struct dm2_error err = {0};
-    const struct wire_limits ten = {.elements = 10, .bodies = 2, .kinds = 3};
+    const struct record_limits ten = {.elements = 10, .bodies = 2, .kinds = 3, .probes = 8};
     state_merge_open(&m, ten);
     for (int round = 0; round < 2; round++) {
         state_merge_clear(&m);
@@ -404,6 +410,28 @@ TEST(a_state_is_compiled_from_parts)
     CHECK_CONTAINS(err.text, "more than 64 pairs per element");
     CHECK_EQ_INT(m.n_pairs, 10 * WIRE_PAIRS_MOST);
     state_merge_free(&m);
+}
+
+/* The client refuses a state of which an element has an invalid field. */
+TEST(a_state_with_an_invalid_element)
+{
+    struct state_message head = {.step = 4, .purpose = STATE_FINAL, .last = true, .n_elements = 1};
+    struct element wrong[] = {some_element(3), some_element(3)};
+    wrong[0].share[1] = 7;
+    wrong[1].probes = 1 << 6;
+    for (int k = 0; k < 2; k++) {
+        struct state_merge m;
+        struct bytes_writer w = {0};
+        struct dm2_error err = {0};
+        state_merge_open(&m, limits);
+        wire_put_element(&w, &wrong[k]);
+        struct bytes_reader r = bytes_reader_of(w.data, w.length);
+        CHECK_EQ_INT(state_merge_add(&m, &head, &r, &err), DM2_PROTOCOL);
+        CHECK_CONTAINS(err.text, "a part of a state does not decode");
+        CHECK_EQ_INT(m.n_seen, 0);
+        state_merge_free(&m);
+        bytes_free(&w);
+    }
 }
 
 /* A profile's message: its head, bins of every value, and a count that does not fit. */
@@ -438,7 +466,7 @@ TEST(a_profile)
     bytes_free(&w);
 }
 
-TEST_MAIN(CASE(sizes), CASE(a_parcel_round_trip), CASE(elements_that_cannot_be), CASE(pairs_that_cannot_be),
+TEST_MAIN(CASE(sizes), CASE(a_parcel_round_trip), CASE(invalid_elements), CASE(invalid_pairs),
           CASE(a_step_message_round_trip), CASE(a_deck_message_round_trip),
           CASE(an_assign_message_round_trip), CASE(the_small_messages), CASE(a_state_is_compiled_from_parts),
-          CASE(a_profile))
+          CASE(a_state_with_an_invalid_element), CASE(a_profile))

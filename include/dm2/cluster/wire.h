@@ -10,39 +10,31 @@
 #include "dm2/base/bytes.h"
 #include "dm2/engine/element.h"
 #include "dm2/engine/measures.h"
-#include "dm2/engine/model.h"
+#include "dm2/engine/record.h"
 #include "dm2/engine/subdomain.h"
 
 enum {
-    WIRE_MIRROR = 104,               /* bytes of an element that is mirrored, */
-    WIRE_ELEMENT = WIRE_MIRROR + 42, /* of one with what only its owner knows, */
-    WIRE_PAIR = 25,                  /* of the memory of a pair, */
-    WIRE_MEASURED = 56,              /* of what was measured of an element, */
-    WIRE_BIN = 8 + 8 * 16            /* of a bin of a profile */
+    WIRE_MIRROR = RECORD_MIRROR_BYTES, /* bytes of an element that is mirrored, */
+    WIRE_ELEMENT = RECORD_BYTES,       /* of one with what only its owner knows, */
+    WIRE_PAIR = 25,                    /* of the memory of a pair, */
+    WIRE_MEASURED = 56,                /* of what was measured of an element, */
+    WIRE_BIN = 8 + 8 * 16              /* of a bin of a profile */
 };
 
 /* Per element, in a state that somebody sends: far more than fit around one. */
 enum { WIRE_PAIRS_MOST = 64 };
 
-/* What indices of a record must stay below. */
-struct wire_limits {
-    size_t elements, bodies, kinds;
-};
-
-/* Those of a run. */
-struct wire_limits wire_limits_of(const struct model *model);
-
 /* The owner's part of a mirror is neither sent nor kept: it reads as 0. */
 void wire_put_mirror(struct bytes_writer *w, const struct element *e);
-void wire_get_mirror(struct bytes_reader *r, const struct wire_limits *limits, struct element *out);
+void wire_get_mirror(struct bytes_reader *r, const struct record_limits *limits, struct element *out);
 
 /* The state of an element. */
 void wire_put_element(struct bytes_writer *w, const struct element *e);
-void wire_get_element(struct bytes_reader *r, const struct wire_limits *limits, struct element *out);
+void wire_get_element(struct bytes_reader *r, const struct record_limits *limits, struct element *out);
 
 /* The memory of a pair. */
 void wire_put_pair(struct bytes_writer *w, const struct pair_record *p);
-void wire_get_pair(struct bytes_reader *r, const struct wire_limits *limits, struct pair_record *out);
+void wire_get_pair(struct bytes_reader *r, const struct record_limits *limits, struct pair_record *out);
 
 /* What was measured of an element. */
 void wire_put_measured(struct bytes_writer *w, const struct element_measure *m);
@@ -58,7 +50,7 @@ void wire_get_bin(struct bytes_reader *r, struct profile_bin *out);
 /* Counts, then migrants, pairs and mirrors. The arrays of a parcel that is read are malloc'd:
  * wire_parcel_free. Lack of memory fails the reader too. */
 void wire_put_parcel(struct bytes_writer *w, const struct parcel *p);
-void wire_get_parcel(struct bytes_reader *r, const struct wire_limits *limits, struct parcel *out);
+void wire_get_parcel(struct bytes_reader *r, const struct record_limits *limits, struct parcel *out);
 void wire_parcel_free(struct parcel *p);
 
 #endif

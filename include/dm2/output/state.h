@@ -24,6 +24,7 @@
 
 #include "dm2/base/status.h"
 #include "dm2/engine/element.h"
+#include "dm2/engine/record.h"
 
 enum { STATE_DIGEST_BYTES = 32, STATE_VERSION = 4 };
 
@@ -48,6 +49,11 @@ enum dm2_status state_write(const char *path, const struct state_view *s, struct
  *                 or computed with another arithmetic than this program's, which would not go on to the
  *                 same bytes */
 enum dm2_status state_read(const char *path, struct state *out, struct dm2_error *err);
+/* Does each element of a state that was read from `path` fit into a run? DM2_PROTOCOL: one has a body, a kind
+ * or a probe that *limits excludes; the message names file and element, what was found and what is expected.
+ */
+enum dm2_status state_check(const char *path, const struct state *s, const struct record_limits *limits,
+                            struct dm2_error *err);
 void state_free(struct state *s);
 
 #endif

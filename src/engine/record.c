@@ -1,0 +1,254 @@
+/* One table of an element's fields, and loops over it.
+ *
+ * The table tiles struct element: the unit test finds a member without a row. A form takes room for its bytes
+ * once, not once per number, because a rebuild packs every mirrored element. */
+#include "dm2/engine/record.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "dm2/deck/config.h"
+#include "dm2/engine/model.h"
+
+#define ROW(field, unit, type, count, rule, owner)                                                           \
+    {                                                                                                        \
+#field, unit, offsetof(struct element, field), type, count, rule, owner                              \
+    }
+const struct element_field element_fields[ELEMENT_FIELDS] = {
+    ROW(id, "", FIELD_U32, 1, RULE_ID, false),
+    ROW(grain, "", FIELD_U32, 1, RULE_NONE, false),
+    ROW(body, "", FIELD_U16, 1, RULE_BODY, false),
+    ROW(kind, "", FIELD_U16, 1, RULE_KIND, false),
+    ROW(flags, "", FIELD_U8, 1, RULE_FLAGS, false),
+    ROW(probes, "", FIELD_U8, 1, RULE_PROBES, false),
+    ROW(radius, "cm", FIELD_F64, 1, RULE_POSITIVE, false),
+    ROW(mass, "g", FIELD_F64, 1, RULE_POSITIVE, false),
+    ROW(r, "cm", FIELD_F64, 2, RULE_NONE, false),
+    ROW(v, "cm/us", FIELD_F64, 2, RULE_NONE, false),
+    ROW(w, "1/us", FIELD_F64, 1, RULE_NONE, false),
+    ROW(heat, "g cm2/us2", FIELD_F64, 1, RULE_NONE, false),
+    ROW(p, "Mbar", FIELD_F64, 1, RULE_NONE, false),
+    ROW(was, "", FIELD_U16, 1, RULE_KIND, false),
+    ROW(share, "", FIELD_F64, 2, RULE_FRACTION, false),
+    ROW(work, "g cm2/us2", FIELD_F64, 1, RULE_NONE, true),
+    ROW(strain, "", FIELD_F64, 3, RULE_NONE, true),
+    ROW(moved, "g cm2/us2", FIELD_F64, 1, RULE_NONE, true),
+    ROW(bonds, "", FIELD_U16, 1, RULE_NONE, true),
+};
+#undef ROW
+
+/* Version 4 of the state file: the table's first thirteen, then work, strain, bonds, was, share, moved. */
+static const uint8_t state_order[ELEMENT_FIELDS] = {0,  1,  2,  3,  4,  5,  6,  7,  8, 9,
+                                                    10, 11, 12, 15, 16, 18, 13, 14, 17};
+
+static const uint8_t field_bytes[] = {[FIELD_U8] = 1, [FIELD_U16] = 2, [FIELD_U32] = 4, [FIELD_F64] = 8};
+
+static const struct element_field *field_at(enum record_form form, size_t k)
+{
+    return &element_fields[form == RECORD_STATE ? state_order[k] : k];
+}
+
+static size_t form_bytes(enum record_form form)
+{
+    return form == RECORD_MIRROR ? RECORD_MIRROR_BYTES : RECORD_BYTES;
+}
+
+static const double *doubles_of(const struct element_field *f, const struct element *e)
+{
+    return (const double *)(const void *)((const unsigned char *)e + f->offset);
+}
+
+/* --- bytes --- */
+
+static inline void store_number(unsigned char *to, uint64_t bits, size_t n)
+{
+    for (size_t k = 0; k < n; k++)
+        to[k] = (unsigned char)(bits >> 8 * k & 0xff);
+}
+
+static inline uint64_t load_number(const unsigned char *from, size_t n)
+{
+    uint64_t bits = 0;
+    for (size_t k = 0; k < n; k++)
+        bits |= (uint64_t)from[k] << 8 * k;
+    return bits;
+}
+
+/* One case per type, each of constant width, so that compilers make one store of it. */
+static inline void put_number(unsigned char *to, const unsigned char *from, enum field_type type)
+{
+    uint16_t u16;
+    uint32_t u32;
+    uint64_t u64;
+    switch (type) {
+    case FIELD_U8:
+        *to = *from;
+        break;
+    case FIELD_U16:
+        memcpy(&u16, from, sizeof u16);
+        store_number(to, u16, sizeof u16);
+        break;
+    case FIELD_U32:
+        memcpy(&u32, from, sizeof u32);
+        store_number(to, u32, sizeof u32);
+        break;
+    case FIELD_F64:
+        memcpy(&u64, from, sizeof u64);
+        store_number(to, u64, sizeof u64);
+        break;
+    }
+}
+
+static inline void get_number(const unsigned char *from, unsigned char *to, enum field_type type)
+{
+    uint16_t u16;
+    uint32_t u32;
+    uint64_t u64;
+    switch (type) {
+    case FIELD_U8:
+        *to = *from;
+        break;
+    case FIELD_U16:
+        u16 = (uint16_t)load_number(from, sizeof u16);
+        memcpy(to, &u16, sizeof u16);
+        break;
+    case FIELD_U32:
+        u32 = (uint32_t)load_number(from, sizeof u32);
+        memcpy(to, &u32, sizeof u32);
+        break;
+    case FIELD_F64:
+        u64 = load_number(from, sizeof u64);
+        memcpy(to, &u64, sizeof u64);
+        break;
+    }
+}
+
+void record_put(struct bytes_writer *w, enum record_form form, const struct element *e)
+{
+    unsigned char *to = bytes_put_room(w, form_bytes(form));
+    if (to == NULL)
+        return;
+    for (size_t k = 0; k < ELEMENT_FIELDS; k++) {
+        const struct element_field *f = field_at(form, k);
+        if (form == RECORD_MIRROR && f->owner)
+            continue;
+        const unsigned char *from = (const unsigned char *)e + f->offset;
+        size_t width = field_bytes[f->type];
+        for (int c = 0; c < f->count; c++, from += width, to += width)
+            put_number(to, from, f->type);
+    }
+}
+
+void record_get(struct bytes_reader *r, enum record_form form, struct element *out)
+{
+    const unsigned char *from = bytes_get_raw(r, form_bytes(form));
+    *out = (struct element){0};
+    for (size_t k = 0; k < ELEMENT_FIELDS && from != NULL; k++) {
+        const struct element_field *f = field_at(form, k);
+        if (form == RECORD_MIRROR && f->owner)
+            continue;
+        unsigned char *to = (unsigned char *)out + f->offset;
+        size_t width = field_bytes[f->type];
+        for (int c = 0; c < f->count; c++, from += width, to += width)
+            get_number(from, to, f->type);
+    }
+}
+
+void record_doubles(const struct element *e, double out[ELEMENT_DOUBLES])
+{
+    for (size_t k = 0; k < ELEMENT_FIELDS; k++) {
+        const struct element_field *f = field_at(RECORD_STATE, k);
+        for (int c = 0; c < f->count && f->type == FIELD_F64; c++)
+            *out++ = doubles_of(f, e)[c];
+    }
+}
+
+/* --- valid values --- */
+
+struct record_limits record_limits_of(const struct model *model)
+{
+    const struct config *c = model_config(model);
+    return (struct record_limits){.elements = model_elements(model),
+                                  .bodies = c->n_bodies,
+                                  .kinds = config_kinds(c),
+                                  .probes = c->n_probes};
+}
+
+static uint32_t integer_of(const struct element_field *f, const struct element *e)
+{
+    const void *from = (const unsigned char *)e + f->offset;
+    return f->type == FIELD_U8    ? *(const uint8_t *)from
+           : f->type == FIELD_U16 ? *(const uint16_t *)from
+                                  : *(const uint32_t *)from;
+}
+
+/* Index of the first invalid double of a field; f->count where all are valid. */
+static int invalid_double(const struct element_field *f, const struct element *e)
+{
+    const double *x = doubles_of(f, e);
+    int c = 0;
+    while (c < f->count && isfinite(x[c]) && (f->rule != RULE_POSITIVE || x[c] > 0) &&
+           (f->rule != RULE_FRACTION || (x[c] >= 0 && x[c] <= 1)))
+        c++;
+    return c;
+}
+
+static bool is_valid_integer(enum field_rule rule, uint32_t value, const struct record_limits *limits)
+{
+    if (rule == RULE_FLAGS)
+        return (value & ~(uint32_t)ELEMENT_FIXED_MOTION) == 0;
+    if (limits == NULL)
+        return true;
+    return rule == RULE_PROBES ? value >> limits->probes == 0
+           : rule == RULE_ID   ? value < limits->elements
+           : rule == RULE_BODY ? value < limits->bodies
+           : rule == RULE_KIND ? value < limits->kinds
+                               : true;
+}
+
+const struct element_field *record_fault(const struct element *e, const struct record_limits *limits)
+{
+    for (const struct element_field *f = element_fields; f < element_fields + ELEMENT_FIELDS; f++)
+        if (f->type == FIELD_F64 ? invalid_double(f, e) < f->count
+                                 : !is_valid_integer(f->rule, integer_of(f, e), limits))
+            return f;
+    return NULL;
+}
+
+/* The highest bit that is set. */
+static int highest_bit(uint32_t bits)
+{
+    int bit = -1;
+    for (; bits != 0; bits >>= 1)
+        bit++;
+    return bit;
+}
+
+void record_describe_fault(const struct element_field *fault, const struct element *e,
+                           const struct record_limits *limits, char text[RECORD_FAULT_TEXT])
+{
+    size_t n = RECORD_FAULT_TEXT;
+    bool real = fault->type == FIELD_F64;
+    double x = real ? doubles_of(fault, e)[invalid_double(fault, e)] : 0;
+    uint32_t value = real ? 0 : integer_of(fault, e);
+    if (!isfinite(x))
+        (void)snprintf(text, n, "has a number that is not finite");
+    else if (fault->rule == RULE_POSITIVE)
+        (void)snprintf(text, n, "has a radius or a mass that is not positive");
+    else if (fault->rule == RULE_FRACTION)
+        (void)snprintf(text, n, "has %s %g, 0 to 1 is expected", fault->name, x);
+    else if (fault->rule == RULE_FLAGS)
+        (void)snprintf(text, n, "has a flag that this program does not know");
+    else if (fault->rule == RULE_PROBES)
+        (void)snprintf(text, n, "belongs to probe %d, counted from 0; the deck has %zu", highest_bit(value),
+                       limits->probes);
+    else if (fault->rule == RULE_ID)
+        (void)snprintf(text, n, "is none of the %zu elements that the deck makes", limits->elements);
+    else
+        (void)snprintf(text, n,
+                       "is of a body or a kind that the deck does not have: %s %" PRIu32 ", counted "
+                       "from 0; the deck has %zu",
+                       fault->name, value, fault->rule == RULE_BODY ? limits->bodies : limits->kinds);
+}
