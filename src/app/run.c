@@ -101,7 +101,7 @@ static enum dm2_status add_changes(const struct run_options *o, struct deck_sour
     return DM2_OK;
 }
 
-/* Reads a state and checks that it is one of this run. */
+/* Reads a state and checks that the state belongs to this run: deck, number of elements, step, indices. */
 static enum dm2_status read_state(const char *path, const struct run *run, struct state *out,
                                   struct dm2_error *err)
 {

@@ -1,7 +1,8 @@
-/* Records as bytes.
+/* Records of messages as bytes.
  *
- * put and get stand side by side and list the same fields in the same order; the sizes in the header are
- * checked by the tests. A reader that failed stays failed, so the checks here only ever set it. */
+ * For each record but the element, put and get list the same fields in the same order, side by side; the
+ * tests check the sizes in the header. A failed reader stays failed, so the checks here only ever set
+ * r->failed. */
 #include "dm2/cluster/wire.h"
 
 #include <math.h>
@@ -10,7 +11,7 @@
 #include "dm2/base/mem.h"
 #include "dm2/deck/config.h"
 
-static void require(struct bytes_reader *r, bool holds)
+static void fail_unless(struct bytes_reader *r, bool holds)
 {
     if (!holds)
         r->failed = true;
@@ -19,7 +20,7 @@ static void require(struct bytes_reader *r, bool holds)
 static double get_finite(struct bytes_reader *r)
 {
     double x = bytes_get_f64(r);
-    require(r, isfinite(x) != 0);
+    fail_unless(r, isfinite(x) != 0);
     return x;
 }
 
@@ -36,13 +37,13 @@ void wire_put_element(struct bytes_writer *w, const struct element *e)
 void wire_get_mirror(struct bytes_reader *r, const struct record_limits *limits, struct element *out)
 {
     record_get(r, RECORD_MIRROR, out);
-    require(r, record_fault(out, limits) == NULL);
+    fail_unless(r, record_fault(out, limits) == NULL);
 }
 
 void wire_get_element(struct bytes_reader *r, const struct record_limits *limits, struct element *out)
 {
     record_get(r, RECORD_OWNED, out);
-    require(r, record_fault(out, limits) == NULL);
+    fail_unless(r, record_fault(out, limits) == NULL);
 }
 
 void wire_put_pair(struct bytes_writer *w, const struct pair_record *p)
@@ -61,7 +62,7 @@ void wire_get_pair(struct bytes_reader *r, const struct record_limits *limits, s
     out->linked = bytes_get_u8(r);
     out->stretch = get_finite(r);
     out->spring = get_finite(r);
-    require(r, out->id_a < out->id_b && out->id_b < limits->elements && out->linked <= 1);
+    fail_unless(r, out->id_a < out->id_b && out->id_b < limits->elements && out->linked <= 1);
 }
 
 void wire_put_measured(struct bytes_writer *w, const struct element_measure *m)
@@ -141,8 +142,7 @@ void wire_get_measures(struct bytes_reader *r, struct measures *out)
     out->t_max = bytes_get_f64(r);
     out->p_min = bytes_get_f64(r);
     out->p_max = bytes_get_f64(r);
-    /* infinite where there is no element, but always a number */
-    require(r, !isnan(out->t_max) && !isnan(out->p_min) && !isnan(out->p_max));
+    fail_unless(r, !isnan(out->t_max) && !isnan(out->p_min) && !isnan(out->p_max));
     for (int k = 0; k < PROBE_MAX; k++) {
         out->probe[k].count = bytes_get_u64(r);
         for (int a = 0; a < 2; a++) {
@@ -190,7 +190,7 @@ static struct element *get_elements(struct bytes_reader *r, const struct record_
 {
     *n = bytes_get_count(r, mirrors ? WIRE_MIRROR : WIRE_ELEMENT);
     struct element *e = r->failed ? NULL : mem_zalloc(*n, sizeof *e);
-    require(r, e != NULL);
+    fail_unless(r, e != NULL);
     for (size_t k = 0; k < *n && !r->failed; k++)
         (mirrors ? wire_get_mirror : wire_get_element)(r, limits, &e[k]);
     return e;
@@ -215,7 +215,7 @@ void wire_get_parcel(struct bytes_reader *r, const struct record_limits *limits,
     out->migrants = get_elements(r, limits, &out->n_migrants, false);
     out->n_pairs = bytes_get_count(r, WIRE_PAIR);
     out->pairs = r->failed ? NULL : mem_zalloc(out->n_pairs, sizeof *out->pairs);
-    require(r, out->pairs != NULL);
+    fail_unless(r, out->pairs != NULL);
     for (size_t k = 0; k < out->n_pairs && !r->failed; k++)
         wire_get_pair(r, limits, &out->pairs[k]);
     out->mirrors = get_elements(r, limits, &out->n_mirrors, true);

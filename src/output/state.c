@@ -1,10 +1,10 @@
 /* The state file.
  *
- * Every field is encoded by itself, so that the bytes know nothing of this machine's structs. The writer
- * encodes into a block that is checksummed and written when it is full. The reader has the whole file in
- * memory, confirms in this order magic, version, length against the counts, checksum, fingerprint, and
- * then every record, so that a message names the first thing that is wrong; nothing is allocated by a count
- * that the file's length does not bear out. */
+ * Every field is encoded by itself, so that the bytes do not depend on the layout of structs. The writer
+ * encodes into a block that is checksummed and written when full. The reader holds the whole file in memory
+ * and checks magic, version, length against the counts, checksum, fingerprint, and then every record, in this
+ * order, so that a message names the first error. Memory is allocated only for counts that the file's length
+ * confirms. */
 #include "dm2/output/state.h"
 
 #include <assert.h>
@@ -58,7 +58,8 @@ static void put_pair(struct bytes_writer *w, const struct pair_record *p)
     bytes_put_f64(w, p->spring);
 }
 
-static void drain(struct encoder *e, size_t threshold)
+/* Writes the block once it holds `threshold` bytes. */
+static void write_block(struct encoder *e, size_t threshold)
 {
     if (e->bytes.length < threshold || e->bytes.failed)
         return;
@@ -67,7 +68,7 @@ static void drain(struct encoder *e, size_t threshold)
     bytes_clear(&e->bytes);
 }
 
-static void encode(struct encoder *e, const struct state_view *s)
+static void encode_state(struct encoder *e, const struct state_view *s)
 {
     put_header(&e->bytes, s);
     bool given = s->elements == NULL && s->element != NULL;
@@ -82,7 +83,7 @@ static void encode(struct encoder *e, const struct state_view *s)
         assert(i == 0 || before < element.id);
         before = element.id;
         record_put(&e->bytes, RECORD_STATE, &element);
-        drain(e, BLOCK_BYTES);
+        write_block(e, BLOCK_BYTES);
     }
     for (size_t i = 0; i < s->n_pairs; i++) {
         if (given)
@@ -90,11 +91,11 @@ static void encode(struct encoder *e, const struct state_view *s)
         else
             pair = s->pairs[i];
         put_pair(&e->bytes, &pair);
-        drain(e, BLOCK_BYTES);
+        write_block(e, BLOCK_BYTES);
     }
-    drain(e, 1);
+    write_block(e, 1);
     bytes_put_u32(&e->bytes, e->crc);
-    drain(e, 1);
+    write_block(e, 1);
 }
 
 enum dm2_status state_write(const char *path, const struct state_view *s, struct dm2_error *err)
@@ -103,7 +104,7 @@ enum dm2_status state_write(const char *path, const struct state_view *s, struct
     enum dm2_status status = file_create(&e.file, path, err);
     if (status != DM2_OK)
         return status;
-    encode(&e, s);
+    encode_state(&e, s);
     bool failed = e.bytes.failed;
     bytes_free(&e.bytes);
     if (failed) {
@@ -115,20 +116,20 @@ enum dm2_status state_write(const char *path, const struct state_view *s, struct
 
 /* --- reading --- */
 
-static enum dm2_status bad(const char *path, struct dm2_error *err, const char *what)
+static enum dm2_status refuse_file(const char *path, struct dm2_error *err, const char *what)
 {
     return dm2_fail(err, DM2_PROTOCOL, "%s: %s", path, what);
 }
 
-/* The header and the file's length; the reader stands behind the header then. */
+/* Reads the header and compares the counts with the file's length; *r is then at the first element. */
 static enum dm2_status get_header(struct bytes_reader *r, const char *path, struct state *out,
                                   uint64_t *fingerprint, struct dm2_error *err)
 {
     size_t known = r->length < sizeof magic ? r->length : sizeof magic;
     if (known == 0 || memcmp(r->data, magic, known) != 0)
-        return bad(path, err, "is not a dm2 state file: it does not begin with DM2STATE");
+        return refuse_file(path, err, "is not a dm2 state file: it does not begin with DM2STATE");
     if (r->length < HEADER_BYTES + CRC_BYTES)
-        return bad(path, err, "is cut short: it ends within the header of the state");
+        return refuse_file(path, err, "is cut short: it ends within the header of the state");
     (void)bytes_get_raw(r, sizeof magic);
     uint32_t version = bytes_get_u32(r);
     if (version != STATE_VERSION)
@@ -192,8 +193,9 @@ static enum dm2_status check_element(const char *path, const struct element *e,
     return dm2_fail(err, DM2_PROTOCOL, "%s: element %" PRIu32 " %s", path, e->id, text);
 }
 
-static const char *fault_of_pair(const struct state *s, const struct pair_record *p,
-                                 const struct pair_record *before)
+/* The fault of a pair, as the end of a sentence; NULL: there is none. */
+static const char *pair_fault(const struct state *s, const struct pair_record *p,
+                              const struct pair_record *before)
 {
     if (!isfinite(p->stretch) || !isfinite(p->spring))
         return "has a number that is not finite";
@@ -229,7 +231,7 @@ static enum dm2_status get_records(struct bytes_reader *r, const char *path, str
         p->linked = bytes_get_u8(r);
         p->stretch = bytes_get_f64(r);
         p->spring = bytes_get_f64(r);
-        const char *fault = fault_of_pair(s, p, i == 0 ? NULL : p - 1);
+        const char *fault = pair_fault(s, p, i == 0 ? NULL : p - 1);
         if (fault != NULL)
             return dm2_fail(err, DM2_PROTOCOL, "%s: the pair (%" PRIu32 ", %" PRIu32 ") %s", path, p->id_a,
                             p->id_b, fault);
@@ -237,8 +239,8 @@ static enum dm2_status get_records(struct bytes_reader *r, const char *path, str
     return DM2_OK;
 }
 
-static enum dm2_status decode(const unsigned char *bytes, size_t n, const char *path, struct state *out,
-                              struct dm2_error *err)
+static enum dm2_status decode_state(const unsigned char *bytes, size_t n, const char *path, struct state *out,
+                                    struct dm2_error *err)
 {
     struct bytes_reader r = bytes_reader_of(bytes, n);
     uint64_t fingerprint = 0;
@@ -250,7 +252,7 @@ static enum dm2_status decode(const unsigned char *bytes, size_t n, const char *
     if (status != DM2_OK)
         return status;
     if (out->step < 0)
-        return bad(path, err, "has a negative step");
+        return refuse_file(path, err, "has a negative step");
     out->elements = mem_zalloc(out->n_elements, sizeof *out->elements);
     out->pairs = mem_zalloc(out->n_pairs, sizeof *out->pairs);
     if (out->elements == NULL || out->pairs == NULL)
@@ -267,7 +269,7 @@ enum dm2_status state_read(const char *path, struct state *out, struct dm2_error
     enum dm2_status status = file_read(path, SIZE_MAX / 4, &bytes, &n, err);
     if (status != DM2_OK)
         return status;
-    status = decode(bytes, n, path, out, err);
+    status = decode_state(bytes, n, path, out, err);
     free(bytes);
     if (status != DM2_OK)
         state_free(out);

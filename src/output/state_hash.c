@@ -1,5 +1,6 @@
-/* One record's hash mixes every field, doubles by their bits, so that -0 and 0 differ; the last mixing makes
- * each bit of the sum depend on every field. Fields are taken one by one: padding has no say. */
+/* The hash of a record mixes every field, doubles by their bits, so that -0 and 0 differ; the last round
+ * makes each bit of the hash depend on every field. Padding is not hashed, because the fields are mixed one
+ * by one. */
 #include "dm2/output/state_hash.h"
 
 #include <stdlib.h>
@@ -8,8 +9,8 @@
 #include "dm2/base/mem.h"
 #include "dm2/engine/record.h"
 
-/* One round of splitmix64 (Steele, Lea and Flood, 2014) over the running value. */
-static uint64_t mix(uint64_t h, uint64_t value)
+/* One round of splitmix64 (Steele, Lea and Flood, 2014) over the running hash. */
+static uint64_t mix_value(uint64_t h, uint64_t value)
 {
     h = (h ^ value) + 0x9e3779b97f4a7c15U;
     h = (h ^ h >> 30) * 0xbf58476d1ce4e5b9U;
@@ -21,14 +22,14 @@ static uint64_t mix_double(uint64_t h, double value)
 {
     uint64_t bits;
     memcpy(&bits, &value, sizeof bits);
-    return mix(h, bits);
+    return mix_value(h, bits);
 }
 
 uint64_t state_hash_element(const struct element *e)
 {
-    uint64_t h = mix(1, e->id);
-    h = mix(h, (uint64_t)e->was << 48 | (uint64_t)e->bonds << 32 | e->grain);
-    h = mix(h, (uint64_t)e->body << 32 | (uint64_t)e->kind << 16 | (uint64_t)e->flags << 8 | e->probes);
+    uint64_t h = mix_value(1, e->id);
+    h = mix_value(h, (uint64_t)e->was << 48 | (uint64_t)e->bonds << 32 | e->grain);
+    h = mix_value(h, (uint64_t)e->body << 32 | (uint64_t)e->kind << 16 | (uint64_t)e->flags << 8 | e->probes);
     double fields[ELEMENT_DOUBLES];
     record_doubles(e, fields);
     for (size_t k = 0; k < ELEMENT_DOUBLES; k++)
@@ -38,8 +39,8 @@ uint64_t state_hash_element(const struct element *e)
 
 uint64_t state_hash_pair(const struct pair_record *p)
 {
-    uint64_t h = mix(2, (uint64_t)p->id_a << 32 | p->id_b);
-    h = mix(h, p->linked);
+    uint64_t h = mix_value(2, (uint64_t)p->id_a << 32 | p->id_b);
+    h = mix_value(h, p->linked);
     h = mix_double(h, p->stretch);
     return mix_double(h, p->spring);
 }

@@ -1,5 +1,5 @@
-/* A made-up state for the tests of what reads and writes states: a lattice of two materials, linked along
- * rows and columns, with values that differ everywhere. */
+/* A made-up state for the tests of files with states: a lattice of two materials, linked along rows and
+ * columns, whose elements all have different values. */
 #ifndef DM2_TESTS_FAKE_STATE_H
 #define DM2_TESTS_FAKE_STATE_H
 
@@ -54,7 +54,7 @@ static inline void fake_element(struct element *e, struct element_measure *m, si
     };
 }
 
-/* columns x rows elements in a domain of the same size; periodic in x. */
+/* columns x rows elements in a domain of the same size, periodic in x. The caller frees *f with fake_free. */
 static inline void fake_make(struct fake *f, size_t columns, size_t rows)
 {
     memset(f, 0, sizeof *f);

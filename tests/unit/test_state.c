@@ -1,4 +1,4 @@
-/* The state file: round trip, canonical bytes, and every way of being damaged. */
+/* The state file: round trip, canonical bytes, every damage, and invalid content. */
 #include "check.h"
 #include "fake_state.h"
 #include "record_help.h"
@@ -30,8 +30,8 @@ static void write_bytes(const char *name, const char *bytes, size_t n)
     CHECK(f != NULL && fwrite(bytes, 1, n, f) == n && fclose(f) == 0);
 }
 
-/* Reads the file `name`, which must fail, and returns what the message says. */
-static const char *failure(const char *name)
+/* Reads the file `name`, which must fail, and returns the message. */
+static const char *read_failure(const char *name)
 {
     static struct dm2_error err;
     struct state s;
@@ -69,7 +69,7 @@ TEST(round_trip)
     fake_free(&f);
 }
 
-/* The bytes are the format's, not this machine's: size and the first ones by hand. */
+/* The bytes depend on the format alone: the size and the first bytes, worked out by hand. */
 TEST(bytes_are_canonical)
 {
     struct fake f;
@@ -109,7 +109,7 @@ TEST(every_truncation)
     char *bytes = scratch_read("d.dm2", &n);
     for (size_t k = 0; k < n; k++) {
         write_bytes("cut.dm2", bytes, k);
-        const char *text = failure("cut.dm2");
+        const char *text = read_failure("cut.dm2");
         CHECK_CONTAINS(text, k == 0 ? "is not a dm2 state file" : "is cut short");
     }
     free(bytes);
@@ -126,7 +126,7 @@ TEST(every_flipped_bit)
     for (size_t bit = 0; bit < 8 * n; bit++) {
         bytes[bit / 8] = (char)(bytes[bit / 8] ^ (1 << bit % 8));
         write_bytes("flip.dm2", bytes, n);
-        const char *text = failure("flip.dm2");
+        const char *text = read_failure("flip.dm2");
         if (bit >= 8 * 76)
             CHECK_CONTAINS(text, "is damaged: its checksum");
         bytes[bit / 8] = (char)(bytes[bit / 8] ^ (1 << bit % 8));
@@ -138,19 +138,19 @@ TEST(every_flipped_bit)
 TEST(foreign_files)
 {
     write_bytes("x.dm2", "<?xml version=\"1.0\"?>", 21);
-    CHECK_CONTAINS(failure("x.dm2"), "is not a dm2 state file");
+    CHECK_CONTAINS(read_failure("x.dm2"), "is not a dm2 state file");
     write_bytes("x.dm2", "DM2STATE\4\0\0\0", 12);
-    CHECK_CONTAINS(failure("x.dm2"), "is cut short");
+    CHECK_CONTAINS(read_failure("x.dm2"), "is cut short");
     char bytes[80] = "DM2STATE", of_version[40];
     bytes[8] = STATE_VERSION + 1;
     (void)snprintf(of_version, sizeof of_version, "is a state of format version %d,", STATE_VERSION + 1);
     write_bytes("x.dm2", bytes, sizeof bytes);
-    CHECK_CONTAINS(failure("x.dm2"), of_version);
+    CHECK_CONTAINS(read_failure("x.dm2"), of_version);
     memset(bytes + 8, 0, sizeof bytes - 8);
     bytes[8] = STATE_VERSION;
-    memset(bytes + 60, 0xff, 8); /* 2^64 - 1 elements must not be allocated, nor overflow */
+    memset(bytes + 60, 0xff, 8); /* 2^64 - 1 elements: neither allocated nor an overflow */
     write_bytes("x.dm2", bytes, sizeof bytes);
-    CHECK_CONTAINS(failure("x.dm2"), "announces 18446744073709551615 elements");
+    CHECK_CONTAINS(read_failure("x.dm2"), "announces 18446744073709551615 elements");
     struct state s;
     struct dm2_error err;
     CHECK_EQ_INT(state_read(scratch_path("absent.dm2"), &s, &err), DM2_IO);
@@ -167,19 +167,19 @@ TEST(trailing_bytes)
     write_fake(&f, "f.dm2");
     char *bytes = scratch_read("f.dm2", &n);
     write_bytes("f.dm2", bytes, n + 1); /* scratch_read ends with a NUL */
-    CHECK_CONTAINS(failure("f.dm2"), "has 1 bytes behind the end");
+    CHECK_CONTAINS(read_failure("f.dm2"), "has 1 bytes behind the end");
     free(bytes);
     fake_free(&f);
 }
 
-/* A whole, well-checksummed file with content that cannot be. */
+/* A whole file with a matching checksum and invalid content. */
 static void check_content(void (*spoil)(struct fake *f), const char *want)
 {
     struct fake f;
     fake_make(&f, 3, 3);
     spoil(&f);
     write_fake(&f, "g.dm2");
-    CHECK_CONTAINS(failure("g.dm2"), want);
+    CHECK_CONTAINS(read_failure("g.dm2"), want);
     fake_free(&f);
 }
 
@@ -218,7 +218,7 @@ static void absent_pair(struct fake *f)
     f->pairs[f->n_pairs - 1].id_b = 77;
 }
 
-TEST(impossible_content)
+TEST(invalid_content)
 {
     check_content(infinite, "element 3 has a number that is not finite");
     check_content(massless, "element 2 has a radius or a mass that is not positive");
@@ -229,7 +229,7 @@ TEST(impossible_content)
     check_content(absent_pair, ", 77) names an element that is not in the state");
 }
 
-/* Indices that a run does not have are found once the run is known. */
+/* Indices that a run lacks: state_read takes them, state_check refuses them. */
 static void check_indices(uint8_t probes, uint16_t was, const char *want)
 {
     const struct record_limits limits = {.elements = 9, .bodies = 2, .kinds = 2, .probes = 2};
@@ -257,7 +257,7 @@ TEST(indices_of_another_run)
         "deck has 2");
 }
 
-/* Changed bytes with the checksum that they should have. */
+/* Writes changed bytes under a checksum that matches. */
 static void write_sealed(const char *name, char *bytes, size_t n)
 {
     uint32_t crc = crc32c(0, bytes, n - 4);
@@ -266,7 +266,7 @@ static void write_sealed(const char *name, char *bytes, size_t n)
     write_bytes(name, bytes, n);
 }
 
-/* Elements out of order cannot be written by state_write in a debug build: swap two records in the bytes. */
+/* Swaps two records in the bytes, because state_write asserts the order in a debug build. */
 TEST(elements_out_of_order)
 {
     struct fake f;
@@ -278,12 +278,12 @@ TEST(elements_out_of_order)
     memcpy(bytes + 76, bytes + 76 + 146, 146);
     memcpy(bytes + 76 + 146, record, 146);
     write_sealed("h.dm2", bytes, n);
-    CHECK_CONTAINS(failure("h.dm2"), "element 0 is out of order or there twice");
+    CHECK_CONTAINS(read_failure("h.dm2"), "element 0 is out of order or there twice");
     free(bytes);
     fake_free(&f);
 }
 
-/* A whole state that was computed where doubles are something else. */
+/* A whole state with the fingerprint of another arithmetic. */
 TEST(another_arithmetic)
 {
     struct fake f;
@@ -299,7 +299,7 @@ TEST(another_arithmetic)
     (void)snprintf(text, sizeof text,
                    "another arithmetic, of fingerprint %016llx; this program's is %016llx, and",
                    (unsigned long long)FINGERPRINT_IEEE ^ 1ULL << 56, (unsigned long long)FINGERPRINT_IEEE);
-    CHECK_CONTAINS(failure("i.dm2"), text);
+    CHECK_CONTAINS(read_failure("i.dm2"), text);
     free(bytes);
     fake_free(&f);
 }
@@ -315,5 +315,5 @@ TEST(end)
 }
 
 TEST_MAIN(CASE(begin), CASE(round_trip), CASE(bytes_are_canonical), CASE(no_elements), CASE(every_truncation),
-          CASE(every_flipped_bit), CASE(foreign_files), CASE(trailing_bytes), CASE(impossible_content),
+          CASE(every_flipped_bit), CASE(foreign_files), CASE(trailing_bytes), CASE(invalid_content),
           CASE(indices_of_another_run), CASE(elements_out_of_order), CASE(another_arithmetic), CASE(end))

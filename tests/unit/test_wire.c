@@ -1,4 +1,4 @@
-/* Records and messages as bytes: out and in again, their sizes, and every cut and changed byte. */
+/* Records and messages as bytes: round trips, sizes, every cut, every changed byte, and invalid values. */
 #include "check.h"
 #include "record_help.h"
 
@@ -73,7 +73,7 @@ TEST(a_parcel_round_trip)
     CHECK(record_difference(&in.migrants[0], &migrants[0], false) == NULL);
     CHECK(record_difference(&in.migrants[1], &migrants[1], false) == NULL);
     CHECK(record_difference(&in.mirrors[0], &mirror, true) == NULL);
-    CHECK(in.mirrors[0].work == 0 && in.mirrors[0].bonds == 0); /* for its owner alone */
+    CHECK(in.mirrors[0].work == 0 && in.mirrors[0].bonds == 0); /* the owner's fields */
     for (int k = 0; k < 3; k++)
         CHECK(in.pairs[k].id_a == some_pairs[k].id_a && in.pairs[k].id_b == some_pairs[k].id_b &&
               in.pairs[k].linked == some_pairs[k].linked && in.pairs[k].stretch == some_pairs[k].stretch &&
@@ -84,7 +84,7 @@ TEST(a_parcel_round_trip)
         wire_get_parcel(&r, &limits, &in);
         CHECK(r.failed && in.migrants == NULL);
     }
-    for (size_t at = 0; at < w.length; at++) { /* changed anywhere: it may decode, it must not harm */
+    for (size_t at = 0; at < w.length; at++) { /* changed anywhere: a parcel that decodes is valid */
         w.data[at] ^= 0xff;
         r = bytes_reader_of(w.data, w.length);
         wire_get_parcel(&r, &limits, &in);
@@ -352,7 +352,7 @@ TEST(the_small_messages)
     r = bytes_reader_of(w.data, w.length);
     message_get_error(&r, &error_in);
     CHECK(!r.failed && error_in.status == DM2_NUMERIC);
-    CHECK_STR(error_in.text, "bad ?[2J?"); /* no escape sequences on somebody's terminal */
+    CHECK_STR(error_in.text, "bad ?[2J?"); /* no escape sequence reaches a terminal */
     bytes_free(&w);
 }
 
@@ -434,7 +434,7 @@ TEST(a_state_with_an_invalid_element)
     }
 }
 
-/* A profile's message: its head, bins of every value, and a count that does not fit. */
+/* A profile's message: the head, two bins, and every cut. */
 TEST(a_profile)
 {
     struct bytes_writer w = {0};

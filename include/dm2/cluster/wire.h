@@ -1,9 +1,10 @@
-/* Elements, pairs and measures as bytes: the only place that knows both a record of the engine and a byte
- * buffer. Field by field, in the order of docs/protocol.md; no struct is ever copied to or from a message.
+/* Elements, pairs, measures and parcels as bytes of messages, field by field in the order of
+ * docs/protocol.md; the fields of an element are the table of engine/record. No struct is ever copied to or
+ * from a message.
  *
- * The get functions check what they read: numbers finite, ids and indices within the run's limits, radius and
- * mass positive, pairs ordered. A record that fails makes the reader fail (r->failed), as a cut message does.
- */
+ * The get functions check each record: elements by record_fault, pairs for their order and for ids below
+ * limits->elements, every double of an element, a pair and a measure for being finite. An invalid record
+ * makes the reader fail (r->failed), as a cut message does. */
 #ifndef DM2_CLUSTER_WIRE_H
 #define DM2_CLUSTER_WIRE_H
 
@@ -14,21 +15,22 @@
 #include "dm2/engine/subdomain.h"
 
 enum {
-    WIRE_MIRROR = RECORD_MIRROR_BYTES, /* bytes of an element that is mirrored, */
-    WIRE_ELEMENT = RECORD_BYTES,       /* of one with what only its owner knows, */
-    WIRE_PAIR = 25,                    /* of the memory of a pair, */
-    WIRE_MEASURED = 56,                /* of what was measured of an element, */
-    WIRE_BIN = 8 + 8 * 16              /* of a bin of a profile */
+    /* bytes of */
+    WIRE_MIRROR = RECORD_MIRROR_BYTES, /* a mirrored element */
+    WIRE_ELEMENT = RECORD_BYTES,       /* an element with the fields of its owner */
+    WIRE_PAIR = 25,                    /* a struct pair_record */
+    WIRE_MEASURED = 56,                /* a struct element_measure */
+    WIRE_BIN = 8 + 8 * 16              /* a struct profile_bin */
 };
 
-/* Per element, in a state that somebody sends: far more than fit around one. */
+/* Most pairs per element of the run in a state that arrives: far more than fit around an element. */
 enum { WIRE_PAIRS_MOST = 64 };
 
-/* The owner's part of a mirror is neither sent nor kept: it reads as 0. */
+/* A mirrored element, without the owner's fields; in *out these are 0. */
 void wire_put_mirror(struct bytes_writer *w, const struct element *e);
 void wire_get_mirror(struct bytes_reader *r, const struct record_limits *limits, struct element *out);
 
-/* The state of an element. */
+/* An element with all its fields. */
 void wire_put_element(struct bytes_writer *w, const struct element *e);
 void wire_get_element(struct bytes_reader *r, const struct record_limits *limits, struct element *out);
 
@@ -36,19 +38,20 @@ void wire_get_element(struct bytes_reader *r, const struct record_limits *limits
 void wire_put_pair(struct bytes_writer *w, const struct pair_record *p);
 void wire_get_pair(struct bytes_reader *r, const struct record_limits *limits, struct pair_record *out);
 
-/* What was measured of an element. */
 void wire_put_measured(struct bytes_writer *w, const struct element_measure *m);
 void wire_get_measured(struct bytes_reader *r, struct element_measure *out);
 
-/* What was measured of a whole subdomain. */
+/* The measures of a whole subdomain. Extremes are infinite where there is no element, but never NaN. */
 void wire_put_measures(struct bytes_writer *w, const struct measures *m);
 void wire_get_measures(struct bytes_reader *r, struct measures *out);
 
+/* A bin of a profile; any bits are valid. */
 void wire_put_bin(struct bytes_writer *w, const struct profile_bin *b);
 void wire_get_bin(struct bytes_reader *r, struct profile_bin *out);
 
-/* Counts, then migrants, pairs and mirrors. The arrays of a parcel that is read are malloc'd:
- * wire_parcel_free. Lack of memory fails the reader too. */
+/* Migrants, pairs and mirrors, each behind its count as u32; a count above UINT32_MAX fails the writer.
+ * wire_get_parcel gives arrays that the caller frees with wire_parcel_free; where the reader fails, also for
+ * lack of memory, *out is empty. */
 void wire_put_parcel(struct bytes_writer *w, const struct parcel *p);
 void wire_get_parcel(struct bytes_reader *r, const struct record_limits *limits, struct parcel *out);
 void wire_parcel_free(struct parcel *p);

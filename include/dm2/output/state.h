@@ -1,20 +1,22 @@
-/* The canonical state file (final.dm2), a checkpoint: all that the next step reads, the same bytes whoever
- * wrote it.
+/* The state file, which is also a checkpoint and final.dm2: all that the next step reads, in the same bytes
+ * from every program and any number of servers.
  *
  * Format, version 4, numbers little-endian, doubles as their IEEE 754 bits:
  *
  *   magic            8 bytes  "DM2STATE"
  *   version          u32
- *   digest          32 bytes  of the deck that the state belongs to, as the caller gave it
- *   fingerprint      u64      of the arithmetic that computed it (base/fingerprint.h)
+ *   digest          32 bytes  of the state's deck, as the caller gave it
+ *   fingerprint      u64      of the arithmetic that computed the state (base/fingerprint.h)
  *   step             u64
  *   n_elements       u64
  *   n_pairs          u64
- *   elements         ids ascending, 146 bytes each: id u32, grain u32, body u16, kind u16, flags u8, probes
- * u8, then as f64 radius, mass, r[2], v[2], w, heat, p, work, strain[3], then bonds u16, was u16, and as f64
- *                    share[2], moved
- *   pairs            (id_a, id_b) ascending, 25 bytes each: id_a u32, id_b u32, linked u8, stretch f64,
- * spring f64 crc              u32      CRC-32C of all bytes before it
+ *   elements         ids ascending, 146 bytes each:
+ *                    u32 id, grain; u16 body, kind; u8 flags, probes;
+ *                    f64 radius, mass, r[2], v[2], w, heat, p, work, strain[3];
+ *                    u16 bonds, was; f64 share[2], moved
+ *   pairs            (id_a, id_b) ascending, 25 bytes each:
+ *                    u32 id_a, id_b; u8 linked; f64 stretch, spring
+ *   crc              u32      CRC-32C of all bytes before it
  */
 #ifndef DM2_OUTPUT_STATE_H
 #define DM2_OUTPUT_STATE_H
@@ -37,23 +39,28 @@ struct state {
     size_t n_pairs;
 };
 
-/* Writes the state to `path`, atomically. Elements and pairs in the order above. DM2_IO, DM2_MEMORY. */
+/* Writes the state to `path`, atomically. *s has its elements and pairs in the order above. DM2_IO: the file
+ * cannot be written; DM2_MEMORY. */
 enum dm2_status state_write(const char *path, const struct state_view *s, struct dm2_error *err);
 
-/* Reads and checks a state file; *out owns its arrays (state_free). *out is empty after a failure:
+/* Reads and checks a state file; *out owns its arrays (state_free), and is empty after a failure:
  *   DM2_IO        the file cannot be opened or read
- *   DM2_MEMORY    no memory for what it announces (which its length already confirmed)
- *   DM2_PROTOCOL  not a state file, of another version, cut short, with bytes behind its end, with a checksum
- * that does not match, or with content that cannot be: records out of order, a pair of absent elements, a
- *                 number that is not finite, a mass or radius that is not positive, an unknown flag;
- *                 or computed with another arithmetic than this program's, which would not go on to the
- *                 same bytes */
+ *   DM2_MEMORY    no memory for the elements and pairs; the file's length has confirmed their number
+ *   DM2_PROTOCOL  not a state file, of another version, cut short, with bytes behind its end, with a
+ *                 checksum that does not match; or with invalid content: records out of order, a pair of
+ *                 absent elements, a number that is not finite, a mass or radius that is not positive, a
+ *                 share outside 0 to 1, an unknown flag; or computed with another arithmetic than this
+ *                 program's, which would not go on to the same bytes
+ * The indices of bodies, kinds and probes are not checked: see state_check. */
 enum dm2_status state_read(const char *path, struct state *out, struct dm2_error *err);
-/* Does each element of a state that was read from `path` fit into a run? DM2_PROTOCOL: one has a body, a kind
- * or a probe that *limits excludes; the message names file and element, what was found and what is expected.
- */
+
+/* Compares the elements of a state, read from `path`, with the limits of a run. DM2_PROTOCOL: an element has
+ * a body, a kind or a probe that the run lacks; the message names the file, the element, the value and what
+ * the run has. */
 enum dm2_status state_check(const char *path, const struct state *s, const struct record_limits *limits,
                             struct dm2_error *err);
+
+/* Frees the arrays and empties *s. */
 void state_free(struct state *s);
 
 #endif
