@@ -7,6 +7,7 @@
 #include "dm2/base/random.h"
 #include "engine/lists.h"
 #include "engine/particles.h"
+#include "engine/periodic.h"
 #include "engine/tables.h"
 
 /* Discs of two sizes that collide, weld, slide, yield, warm up and conduct. Units are arbitrary. */
@@ -112,8 +113,8 @@ static struct engine_state random_state(const struct engine *g, uint64_t seed, d
         for (size_t k = 0; k < s.n && free; k++) {
             double d[2];
             for (int a = 0; a < 2; a++)
-                d[a] = lists_wrap(e.r[a] - s.e[k].r[a], grid->periodic[a] ? grid->size[a] : 0.0,
-                                  grid->periodic[a] ? 0.5 * grid->size[a] : INFINITY);
+                d[a] = period_nearest(e.r[a] - s.e[k].r[a], grid->periodic[a] ? grid->size[a] : 0.0,
+                                      grid->periodic[a] ? 0.5 * grid->size[a] : INFINITY);
             free = d[0] * d[0] + d[1] * d[1] > apart * apart;
         }
         if (free)
@@ -174,25 +175,31 @@ static void plain_add(struct plain *p, size_t i, const double f[2], const double
         p->sum[i][k] += all[k];
 }
 
+/* f = 24 eps/r (2 (s/r)^12 - (s/r)^6) with eps = 1, s = 0.9 */
+static void plain_far_pair(struct plain *p, size_t i, size_t j, double r, const double n[2])
+{
+    double q = pow(0.9 / r, 6.0), force = r <= 2.5 ? 24.0 / r * (2.0 * q * q - q) : 0.0, f[2];
+    for (int k = 0; k < 2; k++)
+        f[k] = force * n[k];
+    plain_add(p, i, f, (double[2]){0.0, 0.0}, 0.0, 0.0, 0.0);
+    f[0] = -f[0];
+    f[1] = -f[1];
+    plain_add(p, j, f, (double[2]){0.0, 0.0}, 0.0, 0.0, 0.0);
+}
+
 static void plain_pair(struct plain *p, size_t i, size_t j, double dt_kick, double dt_path)
 {
     const struct element *a = &p->e[i], *b = &p->e[j];
     const struct grid *grid = &p->m->grid;
     double d[2], f[2], damp[2];
     for (int k = 0; k < 2; k++)
-        d[k] = lists_wrap(a->r[k] - b->r[k], grid->periodic[k] ? grid->size[k] : 0.0,
-                          grid->periodic[k] ? 0.5 * grid->size[k] : INFINITY);
+        d[k] = period_nearest(a->r[k] - b->r[k], grid->periodic[k] ? grid->size[k] : 0.0,
+                              grid->periodic[k] ? 0.5 * grid->size[k] : INFINITY);
     const struct pair_law *law =
         model_law(p->m, a->kind, b->kind, relation_of(a->body, a->grain, b->body, b->grain));
     double r = sqrt(d[0] * d[0] + d[1] * d[1]), n[2] = {d[0] / r, d[1] / r};
-    if (law->scope == SCOPE_ALL) { /* f = 24 eps/r (2 (s/r)^12 - (s/r)^6) with eps = 1, s = 0.9 */
-        double q = pow(0.9 / r, 6.0), force = r <= 2.5 ? 24.0 / r * (2.0 * q * q - q) : 0.0;
-        for (int k = 0; k < 2; k++)
-            f[k] = force * n[k];
-        plain_add(p, i, f, (double[2]){0.0, 0.0}, 0.0, 0.0, 0.0);
-        f[0] = -f[0];
-        f[1] = -f[1];
-        plain_add(p, j, f, (double[2]){0.0, 0.0}, 0.0, 0.0, 0.0);
+    if (law->scope == SCOPE_ALL) {
+        plain_far_pair(p, i, j, r, n);
         return;
     }
     struct pair_view view = {.r = r,
@@ -287,7 +294,7 @@ static void compare(struct engine *g, const struct plain *p, const char *what)
         wrong += s.m[i].contacts != p->contacts[i] || s.m[i].links != p->links[i];
         links += p->links[i];
         for (int a = 0; a < 2; a++) {
-            double apart = fabs(lists_wrap(
+            double apart = fabs(period_nearest(
                 s.e[i].r[a] - p->e[i].r[a], g->parts.grid.periodic[a] ? g->parts.grid.size[a] : 0.0,
                 g->parts.grid.periodic[a] ? 0.5 * g->parts.grid.size[a] : INFINITY));
             worst = apart > worst ? apart : worst;
