@@ -1,6 +1,6 @@
-/* For tests of the engine: a deck in memory, run in this process on any number of ranks, without a socket.
- * The exchange is made of the calls that servers make: update, or sort_out, transport of the parcels,
- * take_in. */
+/* For tests of the engine: a deck in memory, run in this process on any number of ranks, without a
+ * socket. The exchange consists of the calls of a server: update, or sort_out, transport of the
+ * parcels, take_in. */
 #ifndef DM2_TESTS_ENGINE_HELP_H
 #define DM2_TESTS_ENGINE_HELP_H
 
@@ -24,15 +24,15 @@ struct engine {
     struct rebuild_plan plan;
     size_t migrants; /* elements that changed owner so far */
     size_t rebuilds;
-    bool ahead;           /* every move begins the next forces, as a server does; off for a last step */
-    bool ahead_measures;  /* and they will measure */
-    struct dm2_error err; /* of the last call that failed */
+    bool ahead;           /* every move begins the next forces, as on a server; off for the last step */
+    bool ahead_measures;  /* and these forces measure */
+    struct dm2_error err; /* of the last failed call */
 };
 
 /* The whole state, gathered from all ranks: elements by id, pairs by ids. */
 struct engine_state {
     struct element *e;
-    struct element_measure *m; /* of the last measuring step; NULL where none was asked for */
+    struct element_measure *m; /* of the last measuring step; NULL unless asked for */
     struct pair_record *pair;
     size_t n, n_pairs;
 };
@@ -66,7 +66,7 @@ static inline void engine_load(struct engine *g, const char *text, const char *c
     engine_cut(g, ranks);
 }
 
-/* The deck's own initial state. */
+/* Starts from the deck's initial state. */
 static inline void engine_start(struct engine *g, const char *text, const char *const *defines, int ranks)
 {
     engine_load(g, text, defines, ranks);
@@ -74,7 +74,7 @@ static inline void engine_start(struct engine *g, const char *text, const char *
         engine_must(g, subdomain_create(g->model, &g->map, r, &g->sd[r], &g->err));
 }
 
-/* The same of a deck in a file, with what it includes. */
+/* Starts from the initial state of a deck in a file, with its included files. */
 static inline void engine_start_file(struct engine *g, const char *path, const char *const *defines,
                                      int ranks)
 {
@@ -85,7 +85,7 @@ static inline void engine_start_file(struct engine *g, const char *path, const c
         engine_must(g, subdomain_create(g->model, &g->map, r, &g->sd[r], &g->err));
 }
 
-/* Any state, after engine_load. */
+/* Starts from any state, after engine_load. */
 static inline void engine_restore(struct engine *g, int64_t step, const struct engine_state *s)
 {
     for (int r = 0; r < g->map.ranks; r++) {
@@ -115,7 +115,7 @@ static inline enum dm2_status engine_forces(struct engine *g, bool measure)
     return DM2_OK;
 }
 
-/* Mirrors get their owners' new state. */
+/* Sends the new state of owned elements to their mirrors. */
 static inline void engine_update(struct engine *g)
 {
     size_t width = subdomain_update_width(g->model);
@@ -133,7 +133,7 @@ static inline void engine_update(struct engine *g)
     }
 }
 
-/* Everybody is sorted anew. */
+/* Sorts all elements into cells and ranks anew. */
 static inline void engine_rebuild(struct engine *g)
 {
     int n = g->map.ranks;
@@ -146,7 +146,7 @@ static inline void engine_rebuild(struct engine *g)
     }
     for (int to = 0; to < n; to++) {
         for (int from = 0; from < n; from++)
-            mine[from] = parcels[(n - 1 - from) * n + to]; /* in another order than that of the ranks */
+            mine[from] = parcels[(n - 1 - from) * n + to]; /* in another order than the ranks' */
         engine_must(g, subdomain_take_in(g->sd[to], mine, (size_t)n, &g->err));
     }
     free(parcels);
@@ -155,7 +155,7 @@ static inline void engine_rebuild(struct engine *g)
     rebuild_plan_done(&g->plan);
 }
 
-/* The second half of a step: leapfrog and exchange. *out (may be NULL) merges the ranks' measures. */
+/* The second half of a step: leapfrog and exchange. *out (may be NULL) merges the measures of the ranks. */
 static inline enum dm2_status engine_move(struct engine *g, struct measures *out)
 {
     double dmax = 0.0;
@@ -217,7 +217,7 @@ static inline int engine_by_ids(const void *a, const void *b)
     return pa->id_b < pb->id_b ? -1 : pa->id_b > pb->id_b;
 }
 
-/* Gathers the state. Ids are 0 .. n-1, so that measures land at their element's index. */
+/* Gathers the state. Ids are 0 .. n-1, so the measures of an element lie at its id. */
 static inline struct engine_state engine_collect(struct engine *g, bool measured)
 {
     struct engine_state s = {0};
@@ -288,7 +288,8 @@ static inline void engine_check_same(const struct engine_state *got, const struc
                  want->pair[p].id_b, want->pair[p].spring);
 }
 
-/* kinetic + potential + elastic + thermal + chemical + phase - work, which an exact integration keeps. */
+/* kinetic + potential + elastic + thermal + chemical + phase - work, which an exact integration
+ * conserves. */
 static inline double engine_total(const struct engine *g, const struct measures *m)
 {
     struct exact_sum total = m->kinetic, minus = {.hi = ~m->work.hi, .lo = ~m->work.lo};
@@ -298,7 +299,7 @@ static inline double engine_total(const struct engine *g, const struct measures 
     exact_merge(&total, &m->thermal);
     exact_merge(&total, &m->chemical);
     exact_merge(&total, &m->phase);
-    exact_merge(&total, &minus); /* less one quantum */
+    exact_merge(&total, &minus); /* ~work is -work less one quantum */
     return exact_value(&total, shift);
 }
 

@@ -12,8 +12,8 @@ static inline size_t record_field_bytes(const struct element_field *f)
     return (size_t)f->count * bytes[f->type];
 }
 
-/* The name of the first field whose bits differ; NULL: there is none. Of mirrors, the owner's fields are left
- * out. */
+/* The name of the first field whose bits differ; NULL: there is none. With `mirrors` the owner's fields are
+ * not compared. */
 static inline const char *record_difference(const struct element *a, const struct element *b, bool mirrors)
 {
     for (size_t k = 0; k < ELEMENT_FIELDS; k++) {
@@ -25,8 +25,8 @@ static inline const char *record_difference(const struct element *a, const struc
     return NULL;
 }
 
-/* A valid element of a run with at least 3 bodies and kinds and 2 probes, whose numbers are neither 0 nor
- * equal to each other, but for flags, which has one valid bit. */
+/* A valid element of a run with at least 3 bodies, 3 kinds and 2 probes. Its doubles are all different, and
+ * no field is 0. */
 static inline struct element record_sample(uint32_t id)
 {
     struct element e = {0};

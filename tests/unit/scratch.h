@@ -1,4 +1,4 @@
-/* A directory of a test's own below TMPDIR, emptied and removed at its end. */
+/* A directory of one test below TMPDIR, created at its begin and removed at its end. */
 #ifndef DM2_TESTS_SCRATCH_H
 #define DM2_TESTS_SCRATCH_H
 
@@ -22,7 +22,7 @@ static inline void scratch_begin(void)
     }
 }
 
-/* The path of a name in the scratch directory; valid until the fourth next call. */
+/* The path of a name in the scratch directory, valid until the fourth next call. */
 static inline const char *scratch_path(const char *name)
 {
     static char paths[4][800];
@@ -76,7 +76,7 @@ static inline void scratch_write(const char *name, const char *text)
     }
 }
 
-/* The whole file as a malloc'd text; *length may be NULL. */
+/* The whole file as a malloc'd text that the caller frees; *length may be NULL. */
 static inline char *scratch_read(const char *name, size_t *length)
 {
     FILE *f = fopen(scratch_path(name), "rb");

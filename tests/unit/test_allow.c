@@ -1,4 +1,4 @@
-/* --allow: networks to the bit, both families, and what is no network. */
+/* --allow: networks to the bit, both address families, and texts that are no network. */
 #include "check.h"
 
 #include "dm2/net/allow.h"
@@ -22,7 +22,7 @@ TEST(networks_to_the_bit)
         {"10.1.2.3", "10.1.2.3", "10.1.2.2"},
         {"10.1.2.2/31", "10.1.2.3", "10.1.2.4"},
         {"0.0.0.0/0", "255.1.2.3", "fd00::1"},
-        {"10.0.0.0/8", "::ffff:10.1.2.3", "::10.1.2.3"}, /* as it arrives at a socket that takes both */
+        {"10.0.0.0/8", "::ffff:10.1.2.3", "::10.1.2.3"}, /* IPv4 at a socket for both */
         {"fd00::/8", "fdff::1", "fe00::1"},
         {"2001:db8::8000/113", "2001:db8::ffff", "2001:db8::7fff"},
         {"::1", "::1", "::2"},
@@ -39,7 +39,7 @@ TEST(networks_to_the_bit)
 TEST(several_networks_and_none)
 {
     struct allow_list list = {0};
-    CHECK(allow_address(&list, "1.2.3.4")); /* an empty list admits everybody */
+    CHECK(allow_address(&list, "1.2.3.4")); /* an empty list admits every address */
     CHECK_EQ_INT(allow_add(&list, "10.0.0.0/8", NULL), DM2_OK);
     CHECK_EQ_INT(allow_add(&list, "fd00::/8", NULL), DM2_OK);
     CHECK(allow_address(&list, "10.1.1.1"));

@@ -1,12 +1,12 @@
-/* The arithmetic that the promise of the same bits rests on: IEEE 754 doubles, evaluated as doubles, products
- * rounded before they are added, nothing flushed to zero. */
+/* The arithmetic on which equal bits depend: IEEE 754 doubles, evaluated as doubles, products rounded
+ * before they are added, denormal numbers kept. */
 #include <fenv.h>
 #include <float.h>
 #include <stdint.h>
 
 #include "check.h"
 
-/* Read at run time, so that the compiler cannot work the results out. */
+/* Read at run time, so that the compiler cannot compute the results. */
 static volatile double one = 1.0, tiny = 0x1p-30, least = DBL_MIN, big = 0x1p53;
 
 TEST(format_is_binary64)
@@ -24,7 +24,7 @@ TEST(format_is_binary64)
 TEST(doubles_are_evaluated_as_doubles)
 {
     CHECK_EQ_INT(FLT_EVAL_METHOD, 0);
-    /* With more digits in between, 2^53 + 1 would survive until 2^53 is taken away again. */
+    /* With more digits in intermediate results, 2^53 + 1 would survive until 2^53 is subtracted. */
     double sum = big + one - big;
     CHECK_SAME_BITS(sum, 0.0);
 }
@@ -44,10 +44,10 @@ TEST(products_are_rounded_before_they_are_added)
     CHECK_SAME_BITS(mirrored, 0.0);
     double difference = one - a * b;
     CHECK_SAME_BITS(difference, 0.0);
-    CHECK_SAME_BITS(fma(a, b, c), -0x1p-60); /* so the numbers do tell one from the other */
+    CHECK_SAME_BITS(fma(a, b, c), -0x1p-60); /* the numbers distinguish a fused product from a rounded one */
 }
 
-/* In a loop that vectorises: the same for each lane, whatever instructions the compiler picked. */
+/* In a loop that vectorises: each lane has the same result, with any instructions of the compiler. */
 TEST(products_in_loops_too)
 {
     double a[64], b[64], c[64];

@@ -115,7 +115,7 @@ TEST(texts_of_others_do_nothing_to_a_terminal)
         {"\303\244 \342\202\254 \360\237\230\200", "\303\244 \342\202\254 \360\237\230\200",
          "\303\244 \342\202\254 \360\237\230\200"},
         {"\302\233x \233y \342\202", "??x ?y ??",
-         "??x ?y ??"}, /* U+009B, its byte alone, a character cut short */
+         "??x ?y ??"}, /* U+009B, the byte 9B alone, a character cut short */
     };
     for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
         char text[64];

@@ -1,4 +1,5 @@
-/* Bins: everybody is in one, wherever he is, and who is near stands in a bin that touches. */
+/* Bins: every element is in a bin, also outside the domain, and elements within reach are in bins that
+ * touch. */
 #include "check.h"
 
 #include <math.h>
@@ -10,7 +11,7 @@ enum { N = 400 };
 
 static const double reach = 0.3;
 
-/* Points in and around a domain of 4 x 3 cm; along periodic sides within it. */
+/* Points in and around a domain of 4 x 3 cm; along periodic sides inside the domain. */
 static struct grid cells_and_points(bool periodic_x, bool periodic_y, double r[2 * N])
 {
     const double origin[2] = {-1.0, 2.0}, size[2] = {4.0, 3.0};
@@ -84,7 +85,7 @@ TEST(bins_that_would_be_too_many_or_too_few_are_refused)
     struct grid cells = cells_and_points(false, true, r);
     struct bins b = {0};
     CHECK(!bins_lay_out(&b, &cells, r, N, reach, 100.0));
-    CHECK(!bins_lay_out(&b, &cells, r, N, 1.2, 1e6)); /* two of them along the periodic side of 3 cm */
+    CHECK(!bins_lay_out(&b, &cells, r, N, 1.2, 1e6)); /* two bins along the periodic side of 3 cm */
     r[0] = 1e300;
     CHECK(!bins_lay_out(&b, &cells, r, N, reach, 1e6));
     bins_free(&b);

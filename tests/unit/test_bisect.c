@@ -1,5 +1,5 @@
-/* The bisection's cuts: computed ones against searched ones, and grids too large for any search. The
- * properties of the rectangles are checked where they are used, in test_decomposition. */
+/* The bisection's cuts: computed cuts against searched ones, and grids too large for a search.
+ * test_decomposition checks the properties of the rectangles. */
 #include "check.h"
 
 #include "dm2/base/bisect.h"

@@ -1,4 +1,4 @@
-/* What bounds a body: prescribed motion (fixed, driven), periodic sides, the body force. */
+/* The boundaries of a body: prescribed motion (fixed, driven), periodic sides, the body force. */
 #include "engine_help.h"
 
 #define SOLID                                                                                                \
@@ -6,7 +6,7 @@
     "material Cu { rho0 = 8.93; c0 = 0.394; s = 1.489; shear = 0.477; cp = 3.85e-6 }\n"                      \
     "interaction { zeta = 0.1; ct_ratio = 0.02 }\n"
 
-/* A block between a fixed floor and a piston that comes down; its neighbours are linked to both. */
+/* A block between a fixed floor and a piston that comes down; the block is linked to both. */
 static const char piston[] =
     "domain { size = 1.2 1.2; r_c = 0.06; delta_r = 0.01; boundary = periodic free }\n" SOLID
     "interface body { linked = yes }\n"
@@ -81,8 +81,8 @@ TEST(a_periodic_crystal_is_bulk)
     engine_step(&g, &m);
     CHECK_EQ_INT(m.elements, 24 * 28);
     CHECK_EQ_INT(m.links, 3 * 24 * 28); /* also across both seams and the corner */
-    /* It moves through the seams without any force arising: velocities stay, nothing heats. Its motion as one
-     * asks for no rebuild, so the deck does. */
+    /* The lattice moves through the seams without a force: velocities stay and nothing heats. The deck asks
+     * for rebuilds, because a common motion does not. */
     engine_run(&g, 3000);
     CHECK(g.migrants > 100);
     engine_step(&g, &m);
@@ -97,7 +97,7 @@ TEST(a_periodic_crystal_is_bulk)
     engine_stop(&g);
 }
 
-/* A wave of one period across the seams: where it starts must not matter. */
+/* A wave of one period across the seams: its phase must not matter. */
 TEST(a_seam_is_nowhere)
 {
     struct engine g[2];
@@ -127,8 +127,8 @@ TEST(a_seam_is_nowhere)
         engine_stop(&g[k]);
 }
 
-/* A thrown block: a parabola, its book closed by the work of gravity; and it comes to rest on a fixed floor.
- */
+/* A thrown block: a parabola whose energy account the work of gravity closes; then the block comes to rest
+ * on a fixed floor. */
 TEST(gravity_does_work)
 {
     static const char text[] =

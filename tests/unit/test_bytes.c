@@ -1,4 +1,4 @@
-/* Bytes out and in again: values, order, limits. */
+/* Bytes written and read: values, order, limits. */
 #include "check.h"
 
 #include <stdint.h>
@@ -33,7 +33,7 @@ TEST(round_trip)
     bytes_get_f64s(&r, back, 4);
     for (int k = 0; k < 4; k++)
         CHECK_SAME_BITS(back[k], values[k]);
-    CHECK(!bytes_done(&r)); /* the text trails */
+    CHECK(!bytes_done(&r)); /* the text remains */
     size_t length = 0;
     char *text = bytes_get_text(&r, 100, &length);
     CHECK_STR(text, "deck");
@@ -64,7 +64,7 @@ TEST(reading_past_the_end_fails_and_stays_failed)
     struct bytes_reader r = bytes_reader_of(data, 3);
     CHECK_EQ_INT(bytes_get_u32(&r), 0);
     CHECK(r.failed);
-    CHECK_EQ_INT(bytes_get_u8(&r), 0); /* there is a byte, but it has failed */
+    CHECK_EQ_INT(bytes_get_u8(&r), 0); /* a byte remains, but the reader has failed */
     CHECK_EQ_INT(bytes_remaining(&r), 0);
     CHECK(!bytes_done(&r));
     r = bytes_reader_of(data, 3);

@@ -1,5 +1,5 @@
-/* The calibration file: what is written comes back bit for bit; everything else is refused, never crashed on.
- */
+/* The calibration file: a written calibration comes back bit for bit; any other text is refused and never
+ * crashes the reader. */
 #include "check.h"
 
 #include <stdint.h>
@@ -28,7 +28,7 @@ static const char *path_of(void)
     return path;
 }
 
-/* What calibration_write writes, NUL-terminated. */
+/* The text of calibration_write, NUL-terminated. */
 static size_t written(const struct calibration *c, char *out, size_t size)
 {
     struct dm2_error err = {0};
@@ -87,7 +87,7 @@ TEST(another_host_or_version)
     (void)unlink(path_of());
 }
 
-/* The sample with its first `old` replaced. */
+/* The text of the sample with its first `old` replaced. */
 static void refuse(const char *old, const char *new, const char *part)
 {
     char text[4000], changed[8000];
@@ -193,7 +193,7 @@ TEST(damaged_files)
             CHECK_EQ_INT(perf_check(&back.perf, &err), DM2_OK);
         }
     }
-    CHECK(accepted > 0 && accepted < 10000); /* a digit for a digit is still a number */
+    CHECK(accepted > 0 && accepted < 10000); /* a digit in the place of a digit is still a number */
 }
 
 TEST_MAIN(CASE(written_and_read_again), CASE(another_host_or_version), CASE(files_that_do_not_read),

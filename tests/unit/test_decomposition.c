@@ -36,7 +36,7 @@ static void check_partition(const struct decomposition *d)
     CHECK_EQ_INT(misplaced, 0);
 }
 
-/* The owner of the cell (i, j), by an own wrap; -1 outside. */
+/* The owner of the cell (i, j), wrapped independently of the decomposition; -1 outside. */
 static int owner_of(const struct decomposition *d, int i, int j)
 {
     const struct grid *g = &d->grid;
@@ -96,8 +96,8 @@ static void check_boundary(const struct decomposition *d, int rank)
     free(outer);
 }
 
-/* A rank beyond another's side has that one beyond the opposite side or, at a corner, the opposite corner: in
- * sum every edge is seen from both of its ends. */
+/* Where rank b lies beyond a side of rank a, a lies beyond the opposite side of b, or at the opposite
+ * corner: in the sum every edge counts from both ends. */
 static void check_symmetry(const struct decomposition *d)
 {
     long sum[SIDE_COUNT] = {0};
@@ -133,7 +133,7 @@ TEST(one_to_64_ranks_on_several_grids)
         }
 }
 
-/* Cuts are rounded to whole columns and rows: within one of each. */
+/* Cuts are rounded to whole columns and rows: each rank is within one column and one row of its share. */
 TEST(areas_are_proportional)
 {
     struct grid g = make_grid(190, 90, 0.11, 0.12, false, false);
@@ -174,14 +174,14 @@ TEST(cuts_go_across_the_longer_side)
     struct grid wide = make_grid(40, 5, 1, 1, false, false); /* aspect 8 */
     struct decomposition d = bisected(&wide, 8, NULL);
     for (int rank = 0; rank < 8; rank++)
-        CHECK_EQ_INT(d.rect[rank].y1 - d.rect[rank].y0, 5); /* vertical cuts alone */
+        CHECK_EQ_INT(d.rect[rank].y1 - d.rect[rank].y0, 5); /* only vertical cuts */
     decomposition_free(&d);
     struct grid square = make_grid(20, 20, 1, 1, false, false);
     d = bisected(&square, 4, NULL);
     for (int rank = 0; rank < 4; rank++)
         CHECK_EQ_INT(decomposition_cells(&d, rank), 100); /* quadrants */
     decomposition_free(&d);
-    struct grid flat = make_grid(10, 10, 1, 3, false, false); /* cells are high: the domain is, too */
+    struct grid flat = make_grid(10, 10, 1, 3, false, false); /* high cells make the domain high */
     d = bisected(&flat, 2, NULL);
     CHECK_EQ_INT(d.rect[0].x1 - d.rect[0].x0, 10);
     decomposition_free(&d);
@@ -211,7 +211,7 @@ TEST(balance_by_particles)
     CHECK_EQ_INT(d.rect[0].x1, 16);
     decomposition_free(&d);
     memset(weights, 0, sizeof weights);
-    d = bisected(&g, 7, weights); /* nothing to balance: still everyone has cells */
+    d = bisected(&g, 7, weights); /* nothing to balance: every rank still has cells */
     check_partition(&d);
     decomposition_free(&d);
 }

@@ -1,4 +1,4 @@
-/* The paper's equations against the paper's own numbers, and what must hold among them. */
+/* The paper's equations against the paper's numbers, and relations that must hold among the equations. */
 #include "check.h"
 
 #include "dm2/performance/equations.h"
@@ -8,7 +8,7 @@ static const double ASPECTS[] = {0.01, 0.5, 1, 1.3571, 2, 3.7, 4, 8, 100};
 
 enum { N_SIZES = sizeof SIZES / sizeof SIZES[0], N_ASPECTS = sizeof ASPECTS / sizeof ASPECTS[0] };
 
-/* A spacing and cells in which nothing is equal that should be told apart. */
+/* A spacing and cells without equal numbers where the equations distinguish them. */
 static struct perf skewed(void)
 {
     struct perf p = perf_paper();
@@ -19,7 +19,7 @@ static struct perf skewed(void)
     return p;
 }
 
-/* The scan has the root of eq. (7) over s alone, which misses both conditions. */
+/* The scan finds the root of eq. (7) over s alone and misses both conditions. */
 TEST(equation_7_keeps_n_and_s)
 {
     const struct perf all[] = {perf_paper(), skewed()};
@@ -42,13 +42,13 @@ TEST(cells_and_the_forms_of_t_seq_and_p)
             CHECK_NEAR_REL(perf_c_x(&p, n, s) * perf_c_y(&p, n, s), c, 1e-14);
             CHECK_NEAR_REL(perf_t_seq_cells(&p, n, c), perf_t_seq(&p, n), 1e-14);  /* (11) and (12) */
             CHECK_NEAR_REL(perf_pairs(n, c) * p.k / 81, perf_t_seq(&p, n), 1e-14); /* (10) and (11) */
-            CHECK_NEAR_REL(perf_c_x(&p, n, s) * n / c, perf_p_x(&p, n, s), 1e-14); /* both sides of (14) */
+            CHECK_NEAR_REL(perf_c_x(&p, n, s) * n / c, perf_p_x(&p, n, s), 1e-14); /* both forms of (14) */
             CHECK_NEAR_REL(perf_c_y(&p, n, s) * n / c, perf_p_y(&p, n, s), 1e-14); /* and of (15) */
             CHECK_NEAR_REL(perf_p_x(&p, n, s) / perf_p_y(&p, n, s), s * p.l_y / p.l_x, 1e-14);
         }
 }
 
-/* Section 6.1: T_seq = 0.3316 n ms and k = 0.0314, which is in ms, too. */
+/* Section 6.1: T_seq = 0.3316 n ms and k = 0.0314 ms. */
 TEST(equation_13)
 {
     const struct perf p = perf_paper();
@@ -100,7 +100,7 @@ static double speedup(double n, double s, int servers)
 }
 
 /* Fig. 14 at n = 100,000, from the equations by hand: T_seq = 33.16 s, p_y = 882.4, p_x = 1197.5. */
-/* Straight in log n between sizes, level beyond them; straight in the number of busy processors. */
+/* Linear in log n between sizes and constant beyond them; linear in the number of busy processors. */
 TEST(k_of_a_size)
 {
     struct perf p = perf_paper();
@@ -117,7 +117,7 @@ TEST(k_of_a_size)
     CHECK_NEAR(perf_k_at(&p, 1e7, 2, 2), 8, 1e-15);
     CHECK_NEAR(perf_k_at(&p, 1e7, 3, 5), 5.5, 1e-12);
     CHECK_NEAR(perf_k_at(&p, 1e7, 9, 5), 8, 1e-15);
-    CHECK_NEAR(perf_k_at(&p, 1e7, 1, 0), 3, 1e-15); /* machines of their own */
+    CHECK_NEAR(perf_k_at(&p, 1e7, 1, 0), 3, 1e-15); /* each on its own machine */
     struct perf faster = perf_faster(&p, 2, 1);
     CHECK_NEAR(perf_k_at(&faster, 1e7, 2, 2), 4, 1e-15);
     p.size[1].n = 1000;
@@ -149,7 +149,7 @@ TEST(thresholds_of_the_aspect_ratio)
     }
 }
 
-/* A domain on its side costs the same when spacing and cells are turned with it. */
+/* A domain turned by 90 degrees with its spacing and cells costs the same. */
 TEST(high_domains_are_turned_wide_ones)
 {
     const struct perf p = skewed();
@@ -188,7 +188,7 @@ TEST(limits_and_monotony)
               speedup(SIZES[i], 1.3571, 4) / 4 > speedup(SIZES[i], 1.3571, 8) / 8);
 }
 
-/* A network without cost divides the time by N, whatever the size. */
+/* A network without cost divides the time by N, for any size. */
 TEST(faster_parts)
 {
     const struct perf p = perf_paper(), cpu = perf_faster(&p, 10, 1), net = perf_faster(&p, 1, 100);

@@ -1,9 +1,10 @@
-/* A finished run beside the model: the parts of the difference make it up, and the largest one is named. */
+/* A finished run and the model: the parts of the difference add up to the difference, and the largest one
+ * is named. */
 #include "check.h"
 
 #include "dm2/performance/explain.h"
 
-/* Two servers of 10 ms each in all, 100 mirrored elements of 50 bytes. */
+/* Two servers with 10 ms each of computing, 100 mirrored elements of 50 bytes. */
 static struct explain_input example(struct explain_server server[2])
 {
     server[0] = server[1] = (struct explain_server){.computing = 5e-3, .mirrored = 100};
@@ -46,12 +47,12 @@ TEST(fewer_processors_than_servers_share_the_computing)
     struct explain_input in = example(server);
     in.processors = 1;
     CHECK_NEAR(explain_run(&in).computing, 10e-3, 1e-15);
-    in.processors = 5; /* more are of no use */
+    in.processors = 5; /* more processors do not help */
     CHECK_NEAR(explain_run(&in).computing, 5e-3, 1e-15);
 }
 
-/* What servers compute while messages are on the way hides them, where the client's work is not theirs too.
- */
+/* The work of servers while messages are on the way hides the messages, unless the client works on the same
+ * processors. */
 TEST(work_ahead_hides_communication)
 {
     struct explain_server server[2];
@@ -104,7 +105,7 @@ TEST(largest_cause_is_named)
     in.measured = 5.15e-3;
     CHECK_STR(explain_cause_name(explain_run(&in).largest), "computing");
 
-    in = example(server); /* faster than predicted: the cause has to be one that takes less */
+    in = example(server); /* faster than predicted: the named cause must be a part that takes less */
     in.work = 12e-3;
     in.measured = 5.2e-3;
     in.relay = 1e-5;

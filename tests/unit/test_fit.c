@@ -1,4 +1,4 @@
-/* Least squares against lines known beforehand and against sums worked out by hand. */
+/* Least squares against known lines and against sums worked out by hand. */
 #include "check.h"
 
 #include "dm2/performance/fit.h"

@@ -1,5 +1,5 @@
-/* Fragments against a search that colours one component after the other, on made-up graphs, whatever the
- * order of the pairs. */
+/* Fragments against a search that colours one component after the other, on made-up graphs with pairs in
+ * any order. */
 #include <stdbool.h>
 
 #include "check.h"
@@ -76,7 +76,7 @@ static void compare(const struct graph *g, uint32_t *fragment, struct fragment_c
     }
     CHECK_EQ_INT(counts->single, single);
     CHECK_EQ_INT(counts->largest, colours > 0 ? size[0] : 0);
-    for (size_t i = 0; i < g->n; i++) { /* of equal ones, that with the lowest id comes first */
+    for (size_t i = 0; i < g->n; i++) { /* of equal fragments, the one with the lowest id comes first */
         size_t f = fragment[i];
         bool new_one = true;
         for (size_t j = 0; j < i; j++)
@@ -99,7 +99,7 @@ TEST(as_a_search_finds_them)
         compare(&g, fragment, &counts);
         printf("%zu pairs: %zu fragments, %zu single, largest %zu\n", pairs[k], counts.fragments,
                counts.single, counts.largest);
-        for (size_t p = 0; p < g.n_pairs / 2; p++) { /* the other way round */
+        for (size_t p = 0; p < g.n_pairs / 2; p++) { /* the pairs in reverse order */
             struct pair_record swap = g.p[p];
             g.p[p] = g.p[g.n_pairs - 1 - p];
             g.p[g.n_pairs - 1 - p] = swap;

@@ -1,4 +1,4 @@
-/* Frames over a socket pair: whole ones, in pieces, and every fault of enum frame_fault. */
+/* Frames over a socket pair: whole frames, frames in pieces, and every fault of enum frame_fault. */
 #include "check.h"
 
 #include <fcntl.h>
@@ -49,7 +49,7 @@ static void raw(const void *data, size_t n)
     CHECK_EQ_INT(write(left.fd, data, n), n);
 }
 
-/* What the reader says to these bytes followed by the end of the stream. */
+/* The reader's message for these bytes followed by the end of the stream. */
 static struct dm2_error fault_of(const void *data, size_t n, uint32_t limit)
 {
     struct dm2_error err = {0};
@@ -103,7 +103,7 @@ TEST(frames_arrive_byte_by_byte)
     close_pair();
 }
 
-/* Three frames and a half in one piece, then the rest: each comes out by itself. */
+/* Three frames and a half in one piece, then the rest: each frame comes out separately. */
 TEST(frames_that_arrive_together)
 {
     unsigned char bytes[200];
@@ -131,7 +131,7 @@ TEST(frames_that_arrive_together)
     close_pair();
 }
 
-/* Larger than the socket's buffers: both ends have to take turns. */
+/* Larger than the socket's buffers: both ends must take turns. */
 TEST(a_large_frame_in_many_pieces)
 {
     enum { BIG = 3000000 };
@@ -216,7 +216,7 @@ TEST(every_changed_bit_is_noticed)
         memcpy(bytes, good, n);
         bytes[bit / 8] ^= (unsigned char)(1U << bit % 8);
         struct dm2_error err = fault_of(bytes, n, 1000);
-        /* a longer length waits for bytes that never come: cut */
+        /* a longer length waits for bytes that never come: the frame is cut */
         CHECK(err.status == DM2_PROTOCOL || err.status == DM2_NET);
     }
 }
@@ -247,7 +247,7 @@ TEST(deadlines_end_waits)
     CHECK_CONTAINS(err.text, "right: ");
     CHECK(pipe(cancel) == 0 && write(cancel[1], "x", 1) == 1);
     CHECK_EQ_INT(channel_receive(&right, 100, deadline_in(60, cancel[0]), &f, &err), DM2_INTERRUPTED);
-    /* a peer that does not read: the write ends too */
+    /* a peer that does not read: the write ends at the deadline too */
     static unsigned char big[4000000];
     CHECK_EQ_INT(channel_send(&left, 1, 0, big, sizeof big, deadline_in(0.05, -1), &err), DM2_TIMEOUT);
     (void)close(cancel[0]);
@@ -325,7 +325,7 @@ TEST(keyed_frames_arrive)
     close_pair();
 }
 
-/* What the left end sends, as bytes: `count` frames of one length. */
+/* The bytes that the left end sends: `count` frames of one length. */
 static size_t keyed_bytes(unsigned char *out, size_t cap, int count)
 {
     size_t n = 0;
@@ -338,7 +338,7 @@ static size_t keyed_bytes(unsigned char *out, size_t cap, int count)
     return n;
 }
 
-/* What the right end makes of them: the number of frames that it takes. */
+/* The number of these frames that the right end accepts. */
 static int taken_of(const unsigned char *bytes, size_t n)
 {
     struct frame f;
@@ -352,7 +352,8 @@ static int taken_of(const unsigned char *bytes, size_t n)
     return taken;
 }
 
-/* No bit can be changed; no frame left out, sent twice, moved, sent back, or made without the key. */
+/* No bit can be changed; no frame can be left out, sent twice, moved, sent back, or made without the
+ * key. */
 TEST(keyed_frames_cannot_be_forged)
 {
     enum { ONE = FRAME_HEADER + FRAME_TAG + 3 };
@@ -372,7 +373,7 @@ TEST(keyed_frames_cannot_be_forged)
     CHECK_EQ_INT(taken_of(bad, n), 0);
     struct frame f;
     struct dm2_error err = {0};
-    open_keyed_pair(); /* the left end's own frame, sent back to it */
+    open_keyed_pair(); /* a frame of the left end, sent back to the left end */
     CHECK_EQ_INT(write(right.fd, good, ONE), ONE);
     CHECK_EQ_INT(channel_receive(&left, 100, deadline_in(5, -1), &f, &err), DM2_PROTOCOL);
     CHECK_CONTAINS(err.text, "arrived changed");

@@ -1,8 +1,8 @@
-/* Mechanics is the same in every frame: a moving, a shifted and a mirrored one, of a small collision and of
+/* Mechanics in a moving, a shifted and a mirrored frame is the same motion: for a small collision and for
  * the decks of applications. */
 #include "engine_help.h"
 
-/* Two blocks of one metal and a loose disc collide off centre, with all of mechanics at work. */
+/* Two blocks of one metal collide off centre, with every term of the pair law. */
 static const char frame_deck[] =
     "let d = 0.04; let shift = 0; let sign = 1\n"
     "domain { origin = -2 -2; size = 4 4; r_c = 1.2*d; delta_r = 0.2*d }\n"
@@ -19,11 +19,11 @@ static const char frame_deck[] =
 
 struct frame {
     const char *name;
-    double mirror; /* of x: 1 or -1 */
+    double mirror; /* factor of x: 1 or -1 */
     double shift[2], boost[2];
 };
 
-/* The state seen from the frame at time t, within the domain on periodic sides. */
+/* Transforms the state into the frame at time t; on periodic sides, into the domain. */
 static void in_frame(const struct engine *g, struct engine_state *s, const struct frame *f, double t)
 {
     const struct config *c = &g->deck.config;
@@ -41,8 +41,8 @@ static void in_frame(const struct engine *g, struct engine_state *s, const struc
         s->pair[p].spring *= f->mirror;
 }
 
-/* `steps` steps from the state that g has at step `at`, seen from the frame, against those from that state as
- * seen from the frame. */
+/* Runs `steps` steps from g's state at step `at`, transforms the end into the frame, and compares with the
+ * same steps from the transformed start. */
 static void frames_agree(struct engine *g, int64_t at, int steps, const struct frame *f, double tolerance)
 {
     const struct config *c = &g->deck.config;
@@ -108,8 +108,8 @@ TEST(moving_and_mirrored_frames)
 }
 
 /* Decks of applications: the plate impact until it has spalled; polycrystal and shear band, whose walls are
- * driven along, with motion and mirror across their periodic seam. The shear band from step 30 on: its
- * lattice starts with r = r0, where rounding decides which pairs touch and react. */
+ * driven along, with motion and mirror across their periodic seam. The shear band runs from step 30 on,
+ * because its lattice starts with r = r0, where rounding decides which pairs touch and react. */
 TEST(decks_in_moving_and_mirrored_frames)
 {
     static const struct {

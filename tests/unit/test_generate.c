@@ -1,4 +1,4 @@
-/* The generator: grains, powders, voids, flaws; and that what cannot be made is refused. */
+/* The generator: grains, powders, voids, flaws; and refusal of bodies that cannot be made. */
 #include "engine_help.h"
 
 #include "engine/generate.h"
@@ -85,7 +85,7 @@ TEST(a_polycrystal_is_dense_and_does_not_overlap)
     }
 }
 
-/* Every element is in the grain whose seed is nearest. */
+/* Every element belongs to the grain with the nearest seed. */
 TEST(grains_are_voronoi_cells)
 {
     struct engine g;
@@ -119,7 +119,7 @@ TEST(mixes_have_their_fractions)
     size_t copper = 0;
     for (size_t i = 0; i < m.n; i++) {
         copper += m.e[i].kind == 0;
-        CHECK_NEAR(m.e[i].radius, 0.01, 0.0); /* all of one size: fractions of elements are those of volume */
+        CHECK_NEAR(m.e[i].radius, 0.01, 0.0); /* one size: fractions by volume, too */
     }
     CHECK(m.n > 2500);
     CHECK_NEAR((double)copper / (double)m.n, 0.3, 0.03);
@@ -127,8 +127,8 @@ TEST(mixes_have_their_fractions)
     engine_stop(&g);
 }
 
-/* Neighbours of a grain lie at multiples of 60 degrees to its own direction, and directions are spread over
- * the 60 degrees that the lattice has. */
+/* Neighbours within a grain lie at multiples of 60 degrees to the grain's direction, and directions spread
+ * over the 60 degrees of the lattice's symmetry. */
 TEST(grains_have_orientations)
 {
     struct engine g;
@@ -158,8 +158,8 @@ TEST(grains_have_orientations)
     engine_stop(&g);
 }
 
-/* Linked or not, a polycrystal starts at rest without stress; and the first links are those of the lattice.
- */
+/* Linked or not, a polycrystal starts at rest without stress, and its first links are the links of the
+ * lattice. */
 TEST(a_polycrystal_starts_without_stress)
 {
     struct engine one;
@@ -212,8 +212,8 @@ TEST(every_rank_makes_the_same)
                         40);
 }
 
-/* The triangles between its centre and its sides, which grains.h has in units of the radius of the circle
- * around it. */
+/* Area of an outline: the triangles between its centre and its sides. grains.h gives sides in units of the
+ * radius of the circumscribed circle. */
 static double polygon_area(const struct grain_set *set, const struct grain *grain)
 {
     double area = 0.0;
@@ -252,7 +252,7 @@ TEST(powders_are_as_dense_as_asked_and_do_not_overlap)
             CHECK(k == 1 || fabs(set.grain[i].radius / 0.075 - 1.0) < 0.4 + 0.1);
         }
         CHECK_NEAR(area, phi[k], 1e-12);
-        for (size_t i = 1; i < m.n; i++) /* the mix is one of grains */
+        for (size_t i = 1; i < m.n; i++) /* the mix is by grain */
             CHECK(m.e[i].grain != m.e[i - 1].grain || m.e[i].kind == m.e[i - 1].kind);
         grains_free(&set);
         free(m.e);
@@ -305,7 +305,7 @@ TEST(flaws_cut_links)
     snprintf(text, sizeof text, HEAD BODY "%s}\nflaw f { line = 0.5 0.2 0.5 0.4 }\n", square);
     cut = links_of(text, 4);
     CHECK_EQ_INT(whole - cut, 10);
-    /* At the seam, from both sides of it. */
+    /* At the seam, from both of its sides. */
     snprintf(text, sizeof text, HEAD BODY "%s}\nflaw f { line = 0.999 0.2 0.999 0.4; body = b }\n", square);
     CHECK_EQ_INT(whole - links_of(text, 4), 10);
     snprintf(text, sizeof text, HEAD BODY "%s}\nflaw f { line = 0.001 0.2 0.001 0.4 }\n", square);
@@ -325,7 +325,7 @@ static void check_refused(const char *rest, const char *message)
     struct dm2_error err;
     snprintf(text, sizeof text, HEAD "%s\n", rest);
     struct loaded l = load_text(text, NULL, -1);
-    if (l.status == DM2_OK) { /* found only when the elements are made */
+    if (l.status == DM2_OK) { /* found only when the elements are generated */
         CHECK_EQ_INT(model_build(&l.config, &model, &err), DM2_DECK);
         CHECK_CONTAINS(err.text, message);
         model_free(model);

@@ -1,6 +1,6 @@
-/* What the lattice makes of the materials' numbers: speeds of long and shear waves along both directions of
- * the lattice, the free surface of a symmetric impact, and how the energy of an undamped lattice converges.
- */
+/* The lattice's response to the materials' constants: speeds of longitudinal and shear waves along both
+ * directions of the lattice, the free surface of a symmetric impact, and convergence of the energy of an
+ * undamped lattice. */
 #include "engine_help.h"
 
 #include "engine/tables.h"
@@ -26,7 +26,7 @@ static void sheet_text(char *text, size_t size, const char *metal, const char *m
 
 static const double pi = 3.14159265358979323846;
 
-/* Speed of the standing wave with one wavelength along axis `along`, moving along axis `motion`. */
+/* Speed of the standing wave of one wavelength along axis `along`, with motion along axis `motion`. */
 static double wave_speed(const char *metal, int along, int motion, double *expected)
 {
     struct engine g;
@@ -46,7 +46,7 @@ static double wave_speed(const char *metal, int along, int motion, double *expec
     double rho = g.deck.config.materials[s.e[0].kind].rho0;
     *expected = sqrt((along == motion ? c11 : c66) / rho);
     engine_state_free(&s);
-    /* The mode's velocity at half steps; it changes sign at 1/4, 3/4 and 5/4 of the period. */
+    /* The mode's velocity at half steps changes sign at 1/4, 3/4 and 5/4 of the period. */
     double before = 1.0, t = 0.0;
     for (int64_t step = 0, crossings = 0; crossings < 3; step++) {
         double mode = 0.0;
@@ -55,7 +55,7 @@ static double wave_speed(const char *metal, int along, int motion, double *expec
         for (size_t i = 0; i < s.n; i++)
             mode += s.e[i].v[motion] * sin(k * s.e[i].r[along]);
         engine_state_free(&s);
-        t = ((double)step + 0.5) * dt; /* of this velocity */
+        t = ((double)step + 0.5) * dt; /* time of this velocity */
         if ((mode < 0.0) != (before < 0.0)) {
             crossings++;
             t -= dt * mode / (mode - before);

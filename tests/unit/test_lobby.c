@@ -1,5 +1,5 @@
-/* The lobby of a server, in this process: who is let in, what a busy and a free one say, and who makes room
- * when it is full. */
+/* The lobby of a server, in this process: which visitors get a session, the answers of a busy and of a free
+ * server, and which visitor leaves a full lobby. */
 #include "check.h"
 
 #include <fcntl.h>
@@ -30,7 +30,7 @@ static void make_busy(struct lobby *l)
     l->business = (struct lobby_business){.peer = "a friend", .since = clock_now(), .session = &SESSION};
 }
 
-/* Some turns; each waits for nothing that is not there already. */
+/* Some turns of the lobby, none of which waits. */
 static void look_round(struct lobby *l)
 {
     for (int k = 0; k < 3; k++)
@@ -55,7 +55,7 @@ static void put(struct channel *ch, enum message_type type, const void *payload,
     CHECK_EQ_INT(channel_send(ch, (uint8_t)type, 0, payload, n, deadline_in(5, -1), NULL), DM2_OK);
 }
 
-/* The type of what has come; 0: nothing. */
+/* The type of the message that has arrived; 0: none. */
 static int got(struct channel *ch, struct frame *f)
 {
     bool complete = false;
@@ -72,7 +72,7 @@ static void hear(const struct frame *f)
     (void)snprintf(told, sizeof told, "%s", m.text);
 }
 
-/* With the lobby's turns between. True: granted. */
+/* Goes through the handshake with turns of the lobby in between. True: granted. */
 static bool prove(struct lobby *l, struct channel *ch, enum message_type first, const struct auth_key *key)
 {
     struct frame f;
@@ -111,8 +111,8 @@ static struct report_message report(struct channel *ch)
     return m;
 }
 
-/* A client that has come before somebody asks is served before he is answered: no server says that it is free
- * while one waits. */
+/* A waiting client gets its session before a later visitor gets an answer, because no server calls itself
+ * free while a client waits. */
 TEST(a_server_with_a_client_at_hand_is_not_free)
 {
     const struct server_options options = options_with(NULL);
@@ -137,8 +137,9 @@ TEST(a_server_with_a_client_at_hand_is_not_free)
     lobby_close(&l);
 }
 
-/* Strangers who know how to begin wait for nothing: each is asked for the key, also while the server is busy,
- * and only who has it has a place in the queue. Its channel has the session's keys when its turn comes. */
+/* A visitor without the key does not wait: each is asked for the key, also while the server is busy, and
+ * only a visitor that proves the key has a place in the queue. Its channel has the session's keys when its
+ * turn comes. */
 TEST(who_waits_has_proved_the_key)
 {
     const struct server_options options = options_with(&KEY);
@@ -161,7 +162,7 @@ TEST(who_waits_has_proved_the_key)
         friends[k] = visitor(&l);
         CHECK(prove(&l, &friends[k], MESSAGE_KNOCK, &KEY));
     }
-    stranger[2] = visitor(&l); /* one friend too many learns it, instead of GRANT */
+    stranger[2] = visitor(&l); /* one client more than the queue holds gets an ERROR instead of GRANT */
     CHECK(!prove(&l, &stranger[2], MESSAGE_KNOCK, &KEY));
     CHECK_CONTAINS(told, "too many clients wait");
     CHECK_EQ_INT(l.n, LOBBY_CLIENTS);
@@ -182,8 +183,9 @@ TEST(who_waits_has_proved_the_key)
     lobby_close(&l);
 }
 
-/* As many as find room begin well and say no more; a friend who comes then is let in all the same once they
- * have had their second, and so is one behind him. Who has proved the key keeps his place. */
+/* As many visitors as the lobby holds begin the handshake and then send nothing. After their second a
+ * client with the key still gets in, and so does one behind it. A visitor that has proved the key keeps its
+ * place. */
 TEST(a_full_lobby_makes_room)
 {
     const unsigned char nonce[AUTH_NONCE] = {9};
@@ -210,7 +212,7 @@ TEST(a_full_lobby_makes_room)
     for (int k = 0; k < LOBBY_MOST; k++)
         l.visitors[k].came = clock_now() + 1000;
     look_round(&l);
-    CHECK_STR(l.visitors[LOBBY_MOST - 1].channel.name, "visitor"); /* nobody has had to leave */
+    CHECK_STR(l.visitors[LOBBY_MOST - 1].channel.name, "visitor"); /* no visitor had to leave */
     for (int k = 0; k < LOBBY_MOST; k++)
         l.visitors[k].came = clock_now() - LOBBY_GRACE;
     look_round(&l);

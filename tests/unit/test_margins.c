@@ -1,7 +1,7 @@
-/* Lists that last: margins and surveys let no pair meet unseen. */
+/* Lifetime of lists: with margins and surveys no pair within reach is missed. */
 #include "engine_help.h"
 
-/* Two blocks fly through each other and through a cloud of loose elements: contacts come from all sides. */
+/* Two blocks fly through each other and through a cloud of loose elements, with contacts from all sides. */
 static const char crowd[] =
     "domain { size = 2.4 1.2; r_c = 0.12; delta_r = 0.01; boundary = periodic free }\n"
     "time { dt = 0.02; steps = 1000 }\n"
@@ -24,14 +24,15 @@ static const char crowd[] =
     "body one { shape = rectangle 0.2 0.2 1.8 1; spacing = 0.04; material = Ni; velocity = 0.06 0 }\n"       \
     "body other { shape = rectangle " other "; spacing = 0.04; material = Ni }\n"
 
-/* It meets the other near the end; it never comes near it. */
+/* The solid of `flyer` meets the other near the end; the solid of `passenger` never comes near the
+ * other. */
 static const char flyer[] = FLYER("2.1 0.2 3.7 1"), passenger[] = FLYER("2.5 0.2 4.1 1");
 
 enum { STEPS = 240 };
 
-/* The state after STEPS with these margins, or with those of the model where there are none; how many
- * rebuilds it took. Of no elements where a step failed, as it may when two meet unseen: the energy of the
- * meeting is then out of the sums' range. */
+/* The state after STEPS with these margins, or with the model's where margins is NULL; *rebuilds counts the
+ * rebuilds. The state has no elements where a step failed, as may happen when two elements meet unseen,
+ * because the energy of their contact exceeds the range of the sums. */
 static struct engine_state run(const char *deck, int ranks, const struct margins *margins, int64_t every,
                                size_t *rebuilds)
 {
@@ -79,8 +80,8 @@ TEST(no_contact_is_missed)
     }
 }
 
-/* The test above would notice: in the crowd contacts are missed when close ones may approach too much, the
- * two solids miss each other when any two may. */
+/* The test above finds missed pairs: with too large a close margin the crowd loses contacts, with too large
+ * a wide margin the two solids miss each other. */
 TEST(either_margin_is_needed)
 {
     const char *const decks[] = {crowd, flyer};
@@ -117,8 +118,8 @@ TEST(the_margins_follow_from_the_deck)
     engine_stop(&g);
 }
 
-/* Two blocks on either side of the cut, each of them at rest within its own part: only the mirrored elements,
- * which a survey sees as they were a step ago, tell that they approach. */
+/* Two blocks on either side of the cut, each at rest within its own rank: only the mirrored elements, which
+ * a survey sees a step late, show that the blocks approach. */
 TEST(a_survey_sees_what_comes_from_another_part)
 {
     struct engine g;
@@ -147,7 +148,7 @@ TEST(a_survey_sees_what_comes_from_another_part)
     engine_stop(&g);
 }
 
-/* They use up the wide margin alone. */
+/* The blocks use up the wide margin alone. */
 TEST(bodies_that_move_as_wholes_rebuild_seldom)
 {
     for (int ranks = 1; ranks <= 4; ranks += 3) {

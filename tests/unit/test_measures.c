@@ -1,8 +1,8 @@
-/* Measuring four pairs at a time gives the bits of the plain loop. */
+/* Measures of four pairs at a time have the bits of the plain loop. */
 #include "engine_help.h"
 
-/* A sheet of atoms; SPECIES is one material, which lanes can do, or a mix of two that are alike, which they
- * cannot. */
+/* A sheet of atoms; SPECIES is one material, which lanes can compute, or a mix of two equal materials,
+ * which lanes cannot. */
 static const char sheet[] = "domain { size = 24 24; r_c = 2.5; delta_r = 0.25; boundary = SIDES }\n"
                             "time { dt = 0.005; steps = 100 }\n"
                             "material a { mass = 1 }\n"

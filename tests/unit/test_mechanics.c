@@ -21,7 +21,8 @@ struct disc {
     double r[2], v[2], w;
 };
 
-/* Two discs about to touch: the one comes along `angle` from the line of centres, which lies at `turn`. */
+/* Two discs about to touch: the first comes along `angle` from the line of centres, which has the direction
+ * `turn`. */
 static void approach(struct disc d[2], double turn, double angle, double w)
 {
     double n[2] = {cos(turn), sin(turn)}, gap = 1.00002;
@@ -36,7 +37,7 @@ static void approach(struct disc d[2], double turn, double angle, double w)
     d[1].w = -0.5 * w;
 }
 
-/* The engine's end of the collision, and how far angular momentum about the origin drifted. */
+/* Moves the discs by `time` with the engine. Returns the drift of angular momentum about the origin. */
 static double collide_engine(const char *const *defines, struct disc d[2], double time)
 {
     struct engine g;
@@ -69,8 +70,8 @@ static double collide_engine(const char *const *defines, struct disc d[2], doubl
     return worst;
 }
 
-/* The same equations written out, x and v in turn with a step of 1/1000: spring and dashpot in n and t,
- * Coulomb. */
+/* The same equations, v and then x with a thousandth of the step: spring and dashpot along n and t, Coulomb
+ * friction. */
 static void collide_plain(struct disc d[2], double time, double kt_ratio, double mu, double zeta,
                           double ct_ratio)
 {
@@ -127,8 +128,8 @@ TEST(oblique_collision_against_a_thousandth_of_the_step)
     }
 }
 
-/* Impulses along n and t on the first disc, and the relative velocity of the touching points along t, before
- * and after. */
+/* out: impulses along n and t on the first disc, and the relative velocity of the contact points along t,
+ * before and after. */
 static void impulses(const char *const *defines, double angle, double out[4])
 {
     struct disc d[2], start[2];
@@ -148,21 +149,21 @@ TEST(rigid_disc_limits_of_a_collision)
     const char *sticking[] = {"dt=5e-6", "stiff=1e6", "zeta=0", "ct=0", "mu=1000", "kt=1/12", NULL};
     const char *bouncing[] = {"dt=5e-6", "stiff=1e6", "zeta=0", "ct=0", "mu=1000", "kt=1/3", NULL};
     double j[4];
-    impulses(sliding, 1.2, j); /* grazing: the points slide all the time */
+    impulses(sliding, 1.2, j); /* grazing: the contact points slide all the time */
     printf("gross sliding: tangential over normal impulse %.5f, mu 0.1\n", j[1] / j[0]);
     CHECK_NEAR_REL(fabs(j[1] / j[0]), 0.1, 0.02);
     CHECK_NEAR_REL(-j[0], cos(1.2), 0.05); /* equal masses exchange their normal velocities */
-    impulses(sticking, 0.05, j);           /* half a tangential period fits twice: the points end at rest */
+    impulses(sticking, 0.05, j); /* half a tangential period fits twice: the contact points end at rest */
     printf("sticking: the points slide at %.5f of the speed before\n", j[3] / j[2]);
     CHECK_NEAR(j[3] / j[2], 0.0, 0.02);
-    impulses(bouncing, 0.05, j); /* equal periods: they turn round */
+    impulses(bouncing, 0.05, j); /* equal periods: the contact points reverse their velocity */
     printf("full tangential restitution: %.5f\n", j[3] / j[2]);
     CHECK_NEAR(j[3] / j[2], -1.0, 0.02);
 }
 
 /* --- a block that slides --- */
 
-/* Three linked discs on one fixed disc, so large that it is flat. */
+/* Three linked discs on one fixed disc that is practically flat. */
 static const char block_deck[] =
     "domain { size = 5000 5000; r_c = 2100; delta_r = 0.5; gravity = 0, -1 }\n"
     "time { dt = 0.005; steps = 1 }\n"
@@ -241,7 +242,7 @@ static void lattice_stress(const struct pair_law *law, double stretch, double sh
     }
 }
 
-/* Which of the three directions a pair of the unstrained lattice has. */
+/* The direction of a pair in the unstrained lattice, one of three. */
 static int bond_direction(const struct element *a, const struct element *b)
 {
     double x = period_nearest(a->r[0] - b->r[0], 0.4, 0.2), y = a->r[1] - b->r[1];
@@ -322,7 +323,7 @@ TEST(stress_of_a_strained_lattice_is_the_applied_one)
     engine_stop(&g);
 }
 
-/* Between a fixed and a driven row: sheared there and back, or drawn out. */
+/* A sheet between a fixed and a driven row: sheared there and back, or drawn out. */
 static const char loaded_deck[] =
     "let d = 0.04; let row = sqrt(3)/2*d; let width = 6*d; let vx = 0; let vy = 0; let y = 0.0014; let yt = "
     "1; let tm = 1e6\n"
@@ -343,7 +344,7 @@ static const char loaded_deck[] =
 
 struct sheet {
     double stress[3];  /* mean of the sheet's middle rows */
-    double strain[2];  /* of the middle rows, from their mean places: shear, and along y */
+    double strain[2];  /* of the middle rows, from their mean positions: shear, and along y */
     double resistance; /* the springs' part of the shear stress */
     double links;
 };
@@ -406,10 +407,10 @@ static struct sheet run_sheet(struct engine *g, const struct engine_state *start
     return out;
 }
 
-/* Elastic with C66; then the bonds along the rows hold Y A, the others half of it (moments balance), and the
- * resistance to shear stays at Y/2, while the lattice's central forces stay elastic with their sqrt(3)/4 kn
- * of C66. Taken back to no stress, the springs have turned round: the strain that remains is that whose
- * central stress they hold. `yield` is Y/2 at the temperature of the sheet. */
+/* Elastic with C66; then the bonds along the rows hold Y A, the others half of Y A (moments balance), and
+ * the resistance to shear stays at Y/2, while the lattice's central forces stay elastic with their part
+ * sqrt(3)/4 kn of C66. When the stress is back at 0, the springs have reversed: the residual strain is the
+ * one whose central stress the springs hold. `yield` is Y/2 at the temperature of the sheet. */
 static void shear_sheet(const char *const *defines, double yield)
 {
     struct engine g;
@@ -443,13 +444,14 @@ static void shear_sheet(const char *const *defines, double yield)
 
 TEST(sheet_in_shear)
 {
-    const char *hot[] = {"tm=1728", "t=1000", "cp=4.4e-3", NULL}; /* so much cp that the heat warms nothing */
+    /* so large a cp that the sheet stays at t */
+    const char *hot[] = {"tm=1728", "t=1000", "cp=4.4e-3", NULL};
     shear_sheet(NULL, 0.5 * 0.0014);
     shear_sheet(hot, 0.5 * 0.0014 * (1.0 - 700.0 / 1428.0));
 }
 
-/* Drawn out slowly: the stress of the bonds is capped, the plastic work becomes heat, and they break at
- * link_break. `cap` is Yt at the temperature of the sheet. */
+/* Drawn out slowly: the stress of the bonds is limited, the plastic work becomes heat, and the bonds break
+ * at link_break. `cap` is Yt at the temperature of the sheet. */
 static void draw_out(const char *const *defines, double cap)
 {
     struct engine g;
@@ -479,9 +481,8 @@ static void draw_out(const char *const *defines, double cap)
         if (broken < 0 && m.links < start.n_pairs)
             broken = step;
     }
-    /* Bonds at 60 degrees to the rows: sigma = lambda Yt r0/L, L the length that they have; they end at
-     * link_break. They turn while the sheet is drawn out, which their springs resist: Y r0/(sqrt(3) L) more.
-     */
+    /* Bonds at 60 degrees to the rows: sigma = lambda Yt r0/L, with their length L, until link_break. Their
+     * springs resist the turning of the bonds as the sheet is drawn out: Y r0/(sqrt(3) L) more. */
     double stretch = sqrt((1.06 * 1.06 - 0.25) / 0.75), strain = rate * 0.02 * (double)broken;
     printf("highest stress %.5f Yt (%.5f); first broken link at a strain of %.5f (%.5f); heat %.6g, energy "
            "off by %.2g of it\n",
@@ -498,8 +499,8 @@ static void draw_out(const char *const *defines, double cap)
 TEST(sheet_in_tension)
 {
     const char *cold[] = {"yt=0.02", NULL};
-    const char *hot[] = {"yt=0.02", "tm=1728", "t=1000", "cp=4.4e-3",
-                         NULL}; /* so much cp that the heat warms nothing */
+    /* so large a cp that the sheet stays at t */
+    const char *hot[] = {"yt=0.02", "tm=1728", "t=1000", "cp=4.4e-3", NULL};
     draw_out(cold, 0.02);
     draw_out(hot, 0.02 * (1.0 - 700.0 / 1428.0));
 }

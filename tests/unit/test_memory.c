@@ -1,7 +1,7 @@
-/* What an element costs in memory: lists, cells, sums and what a rebuild keeps included. */
+/* Memory per element: lists, cells, sums and the buffers of a rebuild included. */
 #include "engine_help.h"
 
-/* About 27 thousand elements: an element's own share is what counts at this size. */
+/* About 27 thousand elements, so that the memory per element dominates. */
 static const char solid[] = "domain { size = 6 6; r_c = 0.1; delta_r = 0.01 }\n"
                             "time { dt = 0.02; steps = 100 }\n"
                             "material Ni { rho0 = 8.9; c0 = 0.46; s = 1.4; shear = 0.76; yield = 0.005 }\n"

@@ -83,7 +83,7 @@ TEST(reader_takes_the_whole_field)
         CHECK_SAME_BITS(x, 99);
     }
     double x = 0;
-    CHECK(number_parse("12345", 3, &x)); /* only the field, not what follows it */
+    CHECK(number_parse("12345", 3, &x)); /* only the 3 characters of the field */
     CHECK_SAME_BITS(x, 123);
 }
 

@@ -1,4 +1,4 @@
-/* Pictures and charts: round ticks, colours, well-formed SVG with what it should hold, small files. */
+/* Pictures and charts: round ticks, colours, well-formed SVG with the expected content, small files. */
 #include "check.h"
 #include "fake_state.h"
 #include "scratch.h"
@@ -89,8 +89,8 @@ static double lightness(const char *colour)
     return 0.299 * (double)(rgb >> 16) + 0.587 * (double)(rgb >> 8 & 255) + 0.114 * (double)(rgb & 255);
 }
 
-/* The sequential map only gets lighter, the diverging one is lightest in its middle; ends are the tables'
- * own. */
+/* The sequential map only gets lighter, the diverging map is lightest in its middle; both end in the
+ * tables' colours. */
 TEST(colour_maps)
 {
     char colour[COLOUR_TEXT], before[COLOUR_TEXT];
@@ -149,8 +149,8 @@ static void read_fake(size_t columns, size_t rows, struct vtp *vtp)
     fake_free(&f);
 }
 
-/* Every word that colours: one disc per element, well-formed, below the size that the paper's case may have.
- */
+/* Every word for colours gives one disc per element and a well-formed file below the size limit of the
+ * paper's case. */
 TEST(pictures)
 {
     struct vtp vtp;
@@ -158,7 +158,7 @@ TEST(pictures)
     char words[500];
     read_fake(57, 30, &vtp);
     snprintf(words, sizeof words, "%s", picture_colours());
-    char *rest = strstr(words, " body, or ARRAY"); /* the words end there; then two arrays by their names */
+    char *rest = strstr(words, " body, or ARRAY"); /* the end of the words; then two arrays by their names */
     CHECK(rest != NULL);
     if (rest != NULL)
         strcpy(rest, " body radius velocity:2");
@@ -201,7 +201,7 @@ TEST(legend_and_scale)
     vtp_free(&vtp);
 }
 
-/* An element that flew far away does not shrink the picture; it is counted. */
+/* A distant element does not shrink the picture, and is counted. */
 TEST(elements_beyond_the_picture)
 {
     struct vtp vtp;

@@ -1,5 +1,5 @@
-/* The general form: against eqs. (18)-(20) on the same geometry, against the decomposition that runs use, and
- * each of its options against what it says. */
+/* The general form against eqs. (18)-(20) on the same geometry and against the decomposition of runs, and
+ * each option against its description. */
 #include "check.h"
 
 #include "dm2/cluster/decomposition.h"
@@ -7,7 +7,7 @@
 
 static const struct predict_options PAPER_FORM = {0}, GENERAL = {.general = true};
 
-/* Square cells of 4 x 4 elements at unit distance, so that whole grids are easy to name. */
+/* Square cells of 4 x 4 elements at unit distance, so that grids of whole cells have round sizes. */
 static struct perf simple(void)
 {
     struct perf p = perf_paper();
@@ -26,7 +26,7 @@ static struct prediction predicted(const struct perf *p, double n, double s, int
     return out;
 }
 
-/* On grids of whole cells the general form is the paper's, to rounding. */
+/* On grids of whole cells the general form equals the paper's to rounding. */
 TEST(general_form_is_the_papers_on_its_geometry)
 {
     const struct perf p = simple();
@@ -47,7 +47,7 @@ TEST(general_form_is_the_papers_on_its_geometry)
         }
 }
 
-/* With the paper's constants the grid has to be rounded to whole cells: near, not equal. */
+/* With the paper's constants the grid is rounded to whole cells: near, not equal. */
 TEST(general_form_near_the_papers_elsewhere)
 {
     const struct perf p = perf_paper();
@@ -60,7 +60,7 @@ TEST(general_form_near_the_papers_elsewhere)
             }
 }
 
-/* The times that come out are the equations' own. */
+/* The predicted times equal the equations' own. */
 TEST(special_form_is_the_equations)
 {
     const struct perf p = perf_paper();
@@ -80,7 +80,8 @@ TEST(one_server_is_the_sequential_run)
     CHECK(one.measured);
 }
 
-/* The loads of rectangles, which are computed, against the decomposition's, which visits every cell. */
+/* The loads of rectangles, computed from their sides, against the decomposition's, which visits every
+ * cell. */
 static void check_loads(int cx, int cy, int servers, bool periodic_x, bool periodic_y)
 {
     const struct grid grid = {.cx = cx, .cy = cy, .lx = 1, .ly = 1.5, .periodic = {periodic_x, periodic_y}};
@@ -168,7 +169,7 @@ TEST(migration_has_a_linear_term)
     CHECK_NEAR_REL(predicted(&p, 1e5, 1.3571, 4, &heavy).t_comm, none.t_comm + linear * 100, 1e-12);
 }
 
-/* What four servers exchange passes through the client twice. */
+/* The exchange of four servers passes through the client twice. */
 TEST(the_clients_link)
 {
     const struct perf p = perf_paper();

@@ -1,13 +1,12 @@
-/* From the report of a run to the line that it prints: reports that are made so that one thing makes the
- * difference. */
+/* From the report of a run to the printed line: in each made-up report one cause makes the difference. */
 #include "check.h"
 
 #include "app/prediction.h"
 
 enum { STEPS = 100 };
 
-/* Two servers on 1000 elements in 100 cells each, 2 ms of computing per step, 3 ms that passed; 50 elements
- * mirrored. */
+/* Two servers on 1000 elements in 100 cells each: 2 ms of computing and 3 ms elapsed per step; 50 mirrored
+ * elements. */
 static struct run_report sample(struct server_report server[2])
 {
     for (int k = 0; k < 2; k++)
@@ -148,8 +147,8 @@ TEST(computing)
     CHECK_CONTAINS(text, "largest cause of the difference: computing, -6 ms");
 }
 
-/* Fewer processors than servers share the work; k is that of the part on each, beside busy neighbours only on
- * one machine. */
+/* Fewer processors than servers share the work; k is taken at the size of a server's part, beside busy
+ * neighbours only where the servers share a machine. */
 TEST(processors_and_caches)
 {
     struct server_report server[2];
@@ -181,7 +180,7 @@ TEST(estimated)
     struct explanation e;
     char text[PREDICTION_TEXT];
     server[1].times.cpu = 1e-3 * STEPS;
-    server[0].times.output = server[1].times.output = 10; /* results that are sent are no part of the steps */
+    server[0].times.output = server[1].times.output = 10; /* sending results is no part of the steps */
     prediction_estimated(&line, &r, 2, &basis);
     CHECK_NEAR(basis.t_seq, 3e-3, 1e-12);
     CHECK(prediction_explain(&r, &basis, &e));

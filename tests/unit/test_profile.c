@@ -1,5 +1,5 @@
-/* Profiles and probes of real states: bins, known means, conservation, the same sums on any number of ranks.
- */
+/* Profiles and probes of real states: bins, known means, conservation, the same sums on any number of
+ * ranks. */
 #include "engine_help.h"
 
 #include <math.h>
@@ -61,15 +61,15 @@ TEST(rows_at_the_start)
         CHECK_NEAR(m.velocity[0], k < 6 ? 0.01 : 0, 1e-15);
         CHECK_NEAR(m.velocity[1], k < 6 ? 0.04 : 0, 1e-15);
         CHECK_NEAR(m.temperature, k < 6 ? 300 : 400, 1e-10);
-        if (k != 5 && k != 6) /* the lattice is free of stress but where damping acts between the bodies */
+        if (k != 5 && k != 6) /* the lattice is free of stress except where damping acts between the bodies */
             CHECK(fabs(m.stress[0]) < 1e-9 && fabs(m.stress[1]) < 1e-9);
     }
     free(rows);
     engine_stop(&g);
 }
 
-/* Later: a profile of one bin over everything holds the momentum of the history and the mean stress of all
- * elements, and the probe the mean velocity of its elements. */
+/* After some steps: a profile of one bin over the domain holds the momentum of the history and the mean
+ * stress of all elements, and the probe the mean velocity of its elements. */
 TEST(one_bin_is_the_whole)
 {
     struct engine g;

@@ -1,4 +1,4 @@
-/* The reaction against what is known of it: Arrhenius' law, adiabatic temperature rise, proportions,
+/* The reaction against known results: Arrhenius' law, adiabatic temperature rise, proportions,
  * conservation, and the same bits on any number of ranks and after a restart. */
 #include "thermo_help.h"
 
@@ -32,7 +32,7 @@ TEST(rates_follow_arrhenius)
     CHECK_NEAR(cold[0] + cold[1], 0.0, 0.0);
 }
 
-/* The same through the engine: what one step of a fixed mixture frees at two temperatures. */
+/* The chemical energy that one step of a fixed mixture frees, started at `start`. */
 static double freed(const char *start)
 {
     const char *defines[] = {start, NULL};
@@ -79,7 +79,7 @@ TEST(no_step_takes_more_than_its_part)
     }
 }
 
-/* Two touching elements whose masses are in the proportion that reacts: all becomes product. */
+/* Two touching elements with masses in the stoichiometric proportion become product wholly. */
 TEST(complete_conversion_gives_the_adiabatic_temperature)
 {
     struct engine g;
@@ -125,7 +125,7 @@ TEST(complete_conversion_gives_the_adiabatic_temperature)
 static const double trio_at[3][2] = {{0.18, 0.2}, {0.219, 0.2}, {0.199, 0.233}},
                     trio_share[3][2] = {{1, 0}, {0, 1}, {0.5, 0.3}};
 
-/* Puts the three into *p at 900 K; out: their masses and heats. */
+/* Puts the three elements into *p at 900 K; out: their masses and heats. */
 static void put_trio(struct particles *p, const struct model *m, double mass[3], double heat[3])
 {
     particles_start(p, m);
@@ -147,8 +147,8 @@ static void put_trio(struct particles *p, const struct model *m, double mass[3],
     }
 }
 
-/* The masses of A and B that each of the three loses to the rates of its pairs in 0.01 us: A of i with B of
- * j. */
+/* The masses of A and B that each of the three elements loses in 0.01 us by the rates of its pairs: A of i
+ * with B of j. */
 static void sum_trio_rates(const struct reaction_table *x, const double mass[3], double want[3][2])
 {
     memset(want, 0, 3 * sizeof *want);
@@ -218,7 +218,7 @@ TEST(converted_masses_are_lost_by_the_shares)
     "body b { shape = rectangle 0.65, 0, 1.4, h; spacing = d; mix = Ni 0.5, Al 0.5; velocity = -v, "         \
     "0; temperature = 700; seed = 3 }\n"
 
-/* Species masses: of each element its own stays; what is not A or B is product. */
+/* Masses of elements stay; the part of a mass that is neither A nor B is product. */
 TEST(a_mixture_conserves_and_stays_positive)
 {
     const char *const defines[3][3] = {{"k0=1e4", NULL}, {"k0=1e30", "dt=0.0025", NULL}, {"k0=1e-6", NULL}};
@@ -230,7 +230,7 @@ TEST(a_mixture_conserves_and_stays_positive)
                scale = thermo_energy(&g, &m.kinetic) + thermo_energy(&g, &m.thermal), least = 1.0;
         struct engine_state begin = engine_collect(&g, false);
         engine_run(&g, 300);
-        struct engine_state now = engine_collect(&g, false); /* that the next evaluation measures */
+        struct engine_state now = engine_collect(&g, false); /* the state that the next evaluation measures */
         double species = 0.0;
         for (size_t i = 0; i < now.n; i++) {
             species += now.e[i].mass * (now.e[i].share[0] + now.e[i].share[1]);
@@ -254,7 +254,7 @@ TEST(a_mixture_conserves_and_stays_positive)
                "thermal\n",
                product, s.n, liquid, (engine_total(&g, &m) - total) / scale);
         CHECK(least >= 0.0);
-        /* One move lies between the evaluation that the measures are of and the state. */
+        /* One move lies between the evaluation of the measures and the state. */
         CHECK(thermo_energy(&g, &m.chemical) >= 1.54e-2 * left * (1 - 1e-12));
         CHECK_NEAR(engine_total(&g, &m), total, 0.001 * scale);
         CHECK(k == 2 || product > 10);
@@ -263,7 +263,7 @@ TEST(a_mixture_conserves_and_stays_positive)
     }
 }
 
-/* Nickel and aluminium go in the proportion of the deck, and the energy they give is in the heat. */
+/* Nickel and aluminium react in the proportion of the deck, and their energy becomes heat. */
 TEST(a_stoichiometric_mixture_takes_both_in_proportion)
 {
     struct engine g;
@@ -295,7 +295,7 @@ TEST(a_stoichiometric_mixture_takes_both_in_proportion)
     engine_stop(&g);
 }
 
-/* One that swells, reacts and swells again as the product. */
+/* An element that swells, reacts and swells again as the product. */
 TEST(no_element_outgrows_the_bound)
 {
     struct engine g;
@@ -311,10 +311,10 @@ TEST(no_element_outgrows_the_bound)
         "body a { shape = rectangle 0, 0, 0.8, 0.8; spacing = 0.04; mix = Ni 0.5, Al 0.5 }\n",
         NULL, 1);
     const struct model *m = g.model;
-    double radius = phase_radius(m, 0.02, 1, 3); /* the liquid's */
+    double radius = phase_radius(m, 0.02, 1, 3); /* of the liquid */
     CHECK_NEAR_REL(radius, 0.02 * sqrt(2.703 / 2.4), 1e-15);
-    radius = phase_radius(m, radius, 3, 2); /* the product's */
-    radius = phase_radius(m, radius, 2, 5); /* and that of its liquid */
+    radius = phase_radius(m, radius, 3, 2); /* of the product */
+    radius = phase_radius(m, radius, 2, 5); /* of the product's liquid */
     CHECK_NEAR_REL(radius, 0.02 * sqrt(2.703 / 2.4 * 5.86 / 5), 1e-15);
     CHECK_NEAR_REL(m->radius_max, radius, 1e-15);
     CHECK_NEAR_REL(m->growth, sqrt(2.703 / 2.4 * 5.86 / 5), 1e-14);
@@ -327,7 +327,7 @@ TEST(any_number_of_ranks_gives_the_same_bits)
     thermo_check_ranks(MIXTURE, "reacting mixture", ranks, 4);
 }
 
-/* Stopped and restored in the middle, from the records alone. */
+/* A run stopped and restored in the middle from its records alone. */
 TEST(a_restart_goes_on_with_the_same_bits)
 {
     struct engine g, h;

@@ -49,7 +49,7 @@ TEST(the_guess_looks_one_step_ahead)
     struct config c = {0};
     struct rebuild_plan plan;
     rebuild_plan_start(&plan, &c, both);
-    CHECK(!rebuild_plan_expected(&plan));         /* nothing moved yet */
+    CHECK(!rebuild_plan_expected(&plan));         /* nothing has moved */
     CHECK(!rebuild_plan_step(&plan, 0.19, NULL)); /* 2 * (0.19 + 1.1 * 0.19) < 1 */
     CHECK(!rebuild_plan_expected(&plan));
     CHECK(!rebuild_plan_step(&plan, 0.2, NULL)); /* 2 * (0.39 + 1.1 * 0.2) > 1 */
@@ -98,9 +98,9 @@ TEST(a_survey_lowers_the_bound_and_never_raises_it)
     CHECK(!rebuild_plan_step(&plan, 0.1, &whole));
     CHECK(!rebuild_plan_survey(&plan) && !rebuild_plan_expected(&plan));
     CHECK_NEAR(plan.approach, 0.05, 1e-15);
-    CHECK(!rebuild_plan_step(&plan, 0.1, &wide)); /* 0.05 + 0.2 is known to be enough */
+    CHECK(!rebuild_plan_step(&plan, 0.1, &wide)); /* 0.05 + 0.2 bounds the approach */
     CHECK_NEAR(plan.approach, 0.25, 1e-15);
-    CHECK(rebuild_plan_step(&plan, 0.5, &wide)); /* both are beyond the margin */
+    CHECK(rebuild_plan_step(&plan, 0.5, &wide)); /* both bounds exceed the margin */
     CHECK(rebuild_plan_expected(&plan) && !rebuild_plan_survey(&plan));
 }
 
@@ -142,7 +142,7 @@ TEST(close_ones_and_any_two_have_margins_of_their_own)
     struct rebuild_plan plan;
     rebuild_plan_start(&plan, &c, (struct margins){.close = 1.0, .wide = 3.0});
     CHECK(!rebuild_plan_step(&plan, 0.4, NULL));
-    CHECK(rebuild_plan_step(&plan, 0.2, NULL)); /* 1.2: nothing says that neighbours moved alike */
+    CHECK(rebuild_plan_step(&plan, 0.2, NULL)); /* 1.2: no survey shows that neighbours moved alike */
     wave.close = 0.3;
     CHECK(!rebuild_plan_step(&plan, 0.4, &wave)); /* 0.3, and 0.4 for mirrored elements a step behind */
     CHECK_NEAR(plan.close, 0.7, 1e-15);

@@ -1,5 +1,5 @@
-/* The table of an element's fields: complete, in and out in every form and through the engine's arrays, and
- * the values that are refused. */
+/* The table of an element's fields: complete, round trips in every form and through the engine's arrays,
+ * and refused values. */
 #include "check.h"
 #include "record_help.h"
 
@@ -9,7 +9,7 @@
 
 static const struct record_limits limits = {.elements = 1000, .bodies = 3, .kinds = 4, .probes = 2};
 
-/* Each byte of struct element belongs to one field, but for the padding at its end. */
+/* Each byte of struct element belongs to one field, except the padding at the end. */
 TEST(the_table_is_complete)
 {
     unsigned char used[sizeof(struct element)] = {0};
@@ -33,7 +33,7 @@ TEST(the_table_is_complete)
     CHECK(memchr(used, 0, end) == NULL);
 }
 
-/* The value of each field comes back to its own place; what a mirror lacks is 0. */
+/* The value of each field comes back to its own place; a field that a mirror lacks is 0. */
 TEST(every_field_in_every_form)
 {
     static const enum record_form forms[] = {RECORD_MIRROR, RECORD_OWNED, RECORD_STATE};
@@ -113,7 +113,7 @@ TEST(doubles_in_the_order_of_the_state_file)
 
 /* --- the engine's arrays --- */
 
-/* Puts the sample into slot 1 of 3 and gets it from there. */
+/* Puts the sample into slot 1 of 3 and gets slot 1. */
 static struct element through_arrays(const struct model *m)
 {
     struct particles p;
@@ -145,7 +145,7 @@ TEST(every_field_through_the_arrays)
     CHECK_REPORT(field == NULL, "%s is lost", field);
 }
 
-/* Without its physics an element has no memory of these fields, and they are 0. */
+/* Without its physics the engine has no array for these fields, and they are 0. */
 TEST(fields_that_no_physics_needs)
 {
     struct config config = {.n_bodies = 0};
@@ -162,7 +162,7 @@ TEST(fields_that_no_physics_needs)
 
 /* --- valid values --- */
 
-/* The element has one invalid field, `name`, about which the text begins so. */
+/* The first invalid field of the element is `name`, and its description is `text`. */
 static void check_fault(const struct element *e, const struct record_limits *most, const char *name,
                         const char *text)
 {

@@ -1,4 +1,4 @@
-/* Routing without sockets: what comes out for each destination, and what is refused. */
+/* Routing without sockets: the segments for each destination, and refused messages. */
 #include "check.h"
 
 #include "dm2/base/bytes.h"
@@ -21,7 +21,7 @@ static void add(int rank, int from, int to, const char *text)
 {
     bytes_put_u16(&sent[rank], (uint16_t)from);
     bytes_put_u16(&sent[rank], (uint16_t)to);
-    bytes_put_text(&sent[rank], text, strlen(text)); /* its length as u32, too */
+    bytes_put_text(&sent[rank], text, strlen(text)); /* the length as u32, then the text */
     sources[rank].count++;
 }
 
@@ -61,7 +61,7 @@ TEST(segments_reach_their_destinations_by_source)
     char text[200];
     int culprit = -1;
     CHECK_EQ_INT(relay_open(&relay, RANKS, &err), DM2_OK);
-    for (int round = 0; round < 3; round++) { /* the relay is used again and again */
+    for (int round = 0; round < 3; round++) { /* the relay is used repeatedly */
         clear();
         add(3, 3, 0, "d");
         add(3, 3, 2, "dd");
@@ -78,7 +78,7 @@ TEST(segments_reach_their_destinations_by_source)
         CHECK_STR(text, "0:a 3:dd ");
         told(&relay.route[4], text, sizeof text);
         CHECK_STR(text, "0: ");
-        /* no copy: the bytes lie where they came in */
+        /* no copy: the bytes stay in their message */
         CHECK(relay.route[4].iov[RELAY_SPARE].iov_base == sent[0].data + 9);
     }
     relay_free(&relay);

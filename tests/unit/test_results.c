@@ -1,5 +1,4 @@
-/* The run directory: names, the history's columns and values, overwriting, aborting, and a disk that is full.
- */
+/* The run directory: names, the history's columns and values, overwriting, aborting, and a full disk. */
 #include "check.h"
 #include "fake_state.h"
 #include "scratch.h"
@@ -105,7 +104,7 @@ TEST(steps_that_are_due)
     CHECK_EQ_INT(e, 5);
 }
 
-/* A whole run: every file under its final name, none else, values as put in. */
+/* A whole run: every file has its final name, no other file is left, and the values are those put in. */
 TEST(whole_run)
 {
     struct fake f;
@@ -167,7 +166,7 @@ TEST(history_rows)
     struct measures m = some_measures();
     struct results *r = open_results(&f, "history", false);
     CHECK_EQ_INT(results_history(r, 40, &m, &err), DM2_OK);
-    measures_clear(&m); /* what came in is all there: not even a quantum is left */
+    measures_clear(&m); /* the sum over bins equals the input, to the last quantum */
     exact_add(&m.kinetic, 0.1, scales.energy);
     exact_add(&m.work, 0.1, scales.energy);
     m.t_max = m.p_min = m.p_max = 0;
@@ -257,7 +256,7 @@ TEST(not_empty_is_an_error)
     fake_free(&f);
 }
 
-/* What a run writes goes, what it does not write stays. */
+/* Overwriting removes the files that a run writes and keeps all others. */
 TEST(overwrite_replaces_only_our_files)
 {
     struct fake f;
@@ -294,7 +293,7 @@ TEST(overwrite_replaces_only_our_files)
         scratch_write(name, "old");
     }
     struct results *r = open_results(&f, "again", true);
-    CHECK_EQ_INT(entries("again"), 6); /* theirs, snapshots and history.csv.part */
+    CHECK_EQ_INT(entries("again"), 6); /* the others' files, snapshots and history.csv.part */
     CHECK_EQ_INT(entries("again/snapshots"), 3);
     CHECK_EQ_INT(results_close(r, &err), DM2_OK);
     CHECK(scratch_exists("again/history.csv"));
@@ -315,12 +314,12 @@ TEST(abort_leaves_nothing_half_written)
     mkdir(scratch_path("there"), 0777);
     r = open_results(&f, "there", false);
     results_abort(r);
-    CHECK_EQ_INT(entries("there"), 0); /* a directory that was there before stays */
+    CHECK_EQ_INT(entries("there"), 0); /* a directory that existed before stays */
 
     r = open_results(&f, "aborted", false);
     CHECK_EQ_INT(results_snapshot(r, 0, f.elements, f.measured, f.n, f.pairs, f.n_pairs, &err), DM2_OK);
     results_abort(r);
-    CHECK_EQ_INT(entries("aborted"), 1); /* what is complete stays */
+    CHECK_EQ_INT(entries("aborted"), 1); /* complete files stay */
     CHECK_EQ_INT(entries("aborted/snapshots"), 2);
     results_abort(NULL);
     fake_free(&f);
@@ -369,7 +368,7 @@ TEST(full_disk)
     CHECK_EQ_INT(status, DM2_IO);
     CHECK(rows > 10 && rows < 50);
     CHECK_CONTAINS(err.text, "disk/history.csv: cannot write: File too large");
-    CHECK_EQ_INT(results_close(r, &err), DM2_IO); /* the first failure sticks */
+    CHECK_EQ_INT(results_close(r, &err), DM2_IO); /* the first failure is reported again */
     CHECK_EQ_INT(entries("disk"), -1);
     setrlimit(RLIMIT_FSIZE, &before);
     fake_free(&f);

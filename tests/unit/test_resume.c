@@ -51,9 +51,9 @@ TEST(copies_cost_two_percent)
     CHECK(copy_plan_due(&plan, 120));
     copy_plan_plain(&plan, false, 0.001);
     copy_plan_asked(&plan, 120);
-    CHECK(!copy_plan_due(&plan, 121)); /* before it has come */
+    CHECK(!copy_plan_due(&plan, 121)); /* before the copy has arrived */
     CHECK_NEAR(copy_plan_done(&plan, false, 0.011), 0.010, 1e-12);
-    for (int64_t n = 121; n <= 1090; n++) { /* two of them take 2 % of 1 s */
+    for (int64_t n = 121; n <= 1090; n++) { /* two copies take 2 % of 1 s */
         CHECK(!copy_plan_due(&plan, n));
         copy_plan_plain(&plan, false, 0.001);
     }
@@ -71,7 +71,8 @@ TEST(copies_cost_two_percent)
     CHECK(!copy_plan_due(&plan, 13));
 }
 
-/* A run whose every step, or some, have a snapshot that costs more than a copy: the share of the copies. */
+/* Runs in which every step, or some steps, have a snapshot that costs more than a copy: the share of the
+ * copies. */
 static double share(int snapshot_every, double step, double snapshot, double copy, int64_t steps)
 {
     struct copy_plan plan;

@@ -1,4 +1,4 @@
-/* HMAC-SHA-256 and SipHash-2-4-128 against the vectors that their authors published. */
+/* HMAC-SHA-256 and SipHash-2-4-128 against the vectors published by their authors. */
 #include "check.h"
 
 #include "dm2/base/hmac.h"
@@ -14,7 +14,7 @@ static void check_hmac(const void *key, size_t key_n, const void *text, size_t n
     hmac_add(&h, (const char *)text + n / 2, n - n / 2);
     hmac_finish(&h, code);
     sha256_text(code, hex);
-    hex[strlen(want)] = '\0'; /* case 5 is published cut to 128 bits */
+    hex[strlen(want)] = '\0'; /* the published result of case 5 is cut to 128 bits */
     CHECK_STR(hex, want);
 }
 
@@ -82,7 +82,7 @@ TEST(equality_sees_every_bit)
 {
     unsigned char a[33] = {0}, b[33] = {0};
     CHECK(hmac_equal(a, b, 32));
-    b[32] = 1; /* behind the end */
+    b[32] = 1; /* beyond the end of the text */
     CHECK(hmac_equal(a, b, 32));
     for (int bit = 0; bit < 256; bit++) {
         b[bit / 8] ^= (unsigned char)(1 << bit % 8);

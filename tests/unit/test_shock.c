@@ -1,5 +1,5 @@
-/* Shocks in the metals of the plate impact against what is known of them: Us(up) of the LASL fits, the stress
- * of impedance matching, and the spall strength seen from a free surface. */
+/* Shocks in the metals of the plate impact against known results: Us(up) of the LASL fits, the stress of
+ * impedance matching, and the spall strength from the free-surface velocity. */
 #include "engine_help.h"
 
 #define METALS                                                                                               \
@@ -20,8 +20,8 @@ struct metal {
 static const struct metal metals[] = {
     {"Ni", 8.874, 0.4602, 1.437}, {"Al", 2.703, 0.5350, 1.340}, {"Cu", 8.930, 0.3940, 1.489}};
 
-/* A flyer hits a target: along the rows (x), or normal to them (y); periodic across. Probes of one row
- * distance. */
+/* A flyer hits a target along the rows (x) or normal to them (y), periodic across. Probes are one row
+ * distance wide. */
 static const char along_deck[] =
     "let d = 0.04; let row = sqrt(3)/2*d; let v = 0.1; let strength = 1; let cells = 6*row\n"
     "let n = FLYER; let k = TARGET; let first = (n + 20)*d; let last = (n + k)*d\n"
@@ -87,7 +87,8 @@ static double probe_v(const struct engine *g, const struct measures *m, int prob
            (double)m->probe[probe].count;
 }
 
-/* Speed of the shock between two probes 30 row distances apart: when each has half the particle velocity. */
+/* Speed of the shock between two probes 30 row distances apart, from the times when each has half the
+ * particle velocity. */
 static double shock_speed(const struct impact *k)
 {
     struct engine g;
@@ -172,7 +173,7 @@ TEST(nickel_on_aluminium_meets_the_matched_impedances)
                                .v = speeds[u]};
             const struct metal *a = &metals[0], *b = &metals[1];
             double low = 0.0, high = k.v;
-            for (int n = 0; n < 60; n++) { /* the velocity at which both Hugoniots have one pressure */
+            for (int n = 0; n < 60; n++) { /* the velocity at which both Hugoniots have the same pressure */
                 double up = 0.5 * (low + high), w = k.v - up;
                 if (b->rho0 * (b->c0 + b->s * up) * up < a->rho0 * (a->c0 + a->s * w) * w)
                     low = up;
@@ -189,8 +190,8 @@ TEST(nickel_on_aluminium_meets_the_matched_impedances)
     }
 }
 
-/* Pull-back of the free surface: it speeds up, then is held back until the target tears. 1/2 rho c0 du is the
- * strength. */
+/* Pull-back of the free surface: its velocity rises, then falls until the target tears. 1/2 rho c0 du is
+ * the strength. */
 static double pull_back(int axis, const char *strength)
 {
     struct impact k = {.axis = axis,
@@ -219,9 +220,9 @@ static double pull_back(int axis, const char *strength)
     return 0.5 * metals[0].rho0 * metals[0].c0 * (peak - least);
 }
 
-/* Normal to the rows the stress of bonds that flow is Yt; what is above it is the damping of rows that are
- * torn apart, which does not depend on Yt: so the smaller Yt, the larger its share. Along the rows their own
- * links, 2/3 of the strength, flow first, and it depends on Yt how much those at 60 degrees add until a crack
+/* Normal to the rows the stress of yielding bonds is Yt; the excess comes from the damping of rows that are
+ * torn apart and does not depend on Yt, so its share grows as Yt falls. Along the rows the links of a row,
+ * 2/3 of the strength, yield first, and Yt decides how much the links at 60 degrees add until a crack
  * opens. */
 TEST(pull_back_of_the_free_surface_tells_the_strength)
 {
@@ -239,7 +240,7 @@ TEST(pull_back_of_the_free_surface_tells_the_strength)
     }
 }
 
-/* The metals of these tests are those of input/materials/, but for the tensile strength, which each test
+/* The metals of these tests equal those of input/materials/, except the tensile strength, which each test
  * chooses. */
 TEST(metals_are_those_of_the_library)
 {

@@ -1,4 +1,4 @@
-/* Snapshots: well-formed XML, array lengths, values back through our own reader; the seam; extended XYZ. */
+/* Snapshots: well-formed XML, array lengths, values read back by vtp_reader; the seam; extended XYZ. */
 #include "check.h"
 #include "fake_state.h"
 #include "scratch.h"
@@ -78,7 +78,7 @@ static void check_field_data(const struct vtp *vtp)
     CHECK_STR(vtp->bodies.name[0], "flyer");
 }
 
-/* Sizes around the encoder's blocks of 3072 bytes and all paddings. */
+/* Sizes around the encoder's blocks of 3072 bytes, and all paddings. */
 TEST(vtp_round_trip)
 {
     static const size_t columns[] = {1, 2, 5, 127, 128, 129};
@@ -105,7 +105,7 @@ TEST(vtp_round_trip)
     }
 }
 
-/* Strain and fragments are there where they are known, and only there. */
+/* Strain and fragments are in the file only where they are known. */
 TEST(arrays_on_demand)
 {
     struct fake f;
@@ -115,7 +115,7 @@ TEST(arrays_on_demand)
     fake_make(&f, 4, 3);
     f.elements[5].bonds = 0; /* no bond: no damage */
     f.elements[6].bonds = 2;
-    f.measured[6].links = 5; /* more than at the start: none either */
+    f.measured[6].links = 5; /* more links than at the start: no damage either */
     for (uint32_t i = 0; i < 12; i++)
         fragment[i] = i % 3;
     struct snapshot s = snapshot_of(&f);
@@ -214,7 +214,7 @@ TEST(series)
     free(text);
 }
 
-/* The next word of a text, as a number if `x` is given. */
+/* The next word of a text; *x, if given, is its number. */
 static const char *word(const char *at, char *out, size_t size, double *x)
 {
     at += strspn(at, " \n");
@@ -283,7 +283,7 @@ TEST(xyz_round_trip)
     fake_free(&f);
 }
 
-/* What the reader refuses: a spoiled copy of a good file. */
+/* The reader refuses a spoiled copy of a good file. */
 static void check_spoiled(const char *text, const char *from, const char *to, const char *want)
 {
     struct vtp vtp;
@@ -325,7 +325,7 @@ TEST(reader_refuses)
     check_spoiled(text, "110 105 99", "110 -105 99", "a character that is none");
     check_spoiled(text, "</VTKFile>", "", "the text ends inside an element");
     size_t n = strlen(text);
-    for (size_t k = 0; k < n - 1; k += 7) { /* any cut is an error, and none reads beyond the end */
+    for (size_t k = 0; k < n - 1; k += 7) { /* any cut is an error and reads nothing beyond the end */
         struct vtp vtp;
         char kept = text[k];
         text[k] = '\0';

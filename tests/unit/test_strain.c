@@ -1,6 +1,5 @@
-/* The strain measure against motions whose strain is known: homogeneous deformation, rigid rotation, a
- * stretch in many steps against the logarithm, neighbours on one line; and the same bits on any number of
- * ranks. */
+/* The strain measure against motions of known strain: homogeneous deformation, rigid rotation, a stretch in
+ * many steps against the logarithm, neighbours on one line; and the same bits on any number of ranks. */
 #include "engine_help.h"
 
 #include <math.h>
@@ -12,8 +11,8 @@ static const char SHEET[] = "domain { size = 0.8 0.8; r_c = 0.1; delta_r = 0.03 
                             "body sheet { shape = rectangle 0.1 0.1 0.7 0.7; spacing = 0.04; material = m }\n"
                             "output { strain = yes }\n";
 
-/* x = x0 + G x0 with the velocity G x0/dt: the state that a homogeneous motion reaches in one step. Positions
- * are about the centre; `from` and `to` are n x 2. */
+/* x = x0 + G x0 with the velocity G x0/dt: the state that a homogeneous motion reaches in one step.
+ * Positions are relative to the centre; `from` and `to` are n x 2. */
 static void move(const struct engine_state *s, const double g[2][2], double dt, const double *from)
 {
     for (size_t i = 0; i < s->n; i++) {
@@ -33,7 +32,7 @@ static double *positions(const struct engine_state *s)
     return r;
 }
 
-/* sym(G (1 + G/2)^-1): what one step of x0 -> (1 + G) x0 strains, measured midway. */
+/* sym(G (1 + G/2)^-1): the strain of one step x0 -> (1 + G) x0, measured midway. */
 static void expected(const double g[2][2], double out[3])
 {
     double m[2][2] = {{1 + g[0][0] / 2, g[0][1] / 2}, {g[1][0] / 2, 1 + g[1][1] / 2}};
@@ -140,7 +139,7 @@ TEST(neighbours_on_one_line_measure_nothing)
     engine_stop(&e);
 }
 
-/* A sheet that flies apart over a periodic seam, elements changing owner. */
+/* A sheet that flies apart across a periodic seam, with elements that change their owner. */
 static const char SEAM[] =
     "domain { size = 1.2 0.52; r_c = 0.1; delta_r = 0.02; boundary = periodic free;\n"
     "  rebuild_every = 3 }\n"

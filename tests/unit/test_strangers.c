@@ -1,5 +1,6 @@
-/* A server with a key, in a process of its own, and every kind of stranger: it serves the next friend, says
- * the same to all of them, and keeps neither memory nor descriptors. */
+/* A server with a key, in its own process, and every kind of visitor without the key. After each of them
+ * the server serves the next client that has the key, gives every visitor without the key the same answer,
+ * and keeps neither memory nor descriptors. */
 #include "check.h"
 
 #include <dirent.h>
@@ -21,7 +22,7 @@
 static const double HANDSHAKE = 2;
 static const struct auth_key KEY = {{1, 2, 3}}, OTHER = {{1, 2, 4}};
 
-static uint64_t many = 1000; /* strangers of each kind; DM2_STRANGERS=10000 for more */
+static uint64_t many = 1000; /* visitors of each kind; DM2_STRANGERS=10000 for more */
 
 static pid_t server_id;
 static int port;
@@ -34,7 +35,8 @@ static void no_log(void *context, enum server_event event, const char *peer, con
     (void)line;
 }
 
-/* It may open so many descriptors besides its listener; 0: as many as this process. */
+/* Starts the server. `descriptors`: how many it may open besides its listener; 0: as many as this
+ * process. */
 static void start_server(int descriptors)
 {
     char bound[SOCKET_NAME];
@@ -101,7 +103,7 @@ static bool take(struct channel *ch, enum message_type type, void *out, size_t n
     return true;
 }
 
-/* As a client does it, with this key; true where the server grants it. The channel is open in any case. */
+/* A client's handshake with this key; true where the server grants it. The channel is open in any case. */
 static bool enter(struct channel *ch, const struct auth_key *key)
 {
     struct auth_nonces nonces;
@@ -141,7 +143,7 @@ static int server_descriptors(void)
     return n;
 }
 
-/* A friend is welcome; the server serves him until he closes. */
+/* Begins a session with the right key; the server serves it until the channel is closed. */
 static struct channel begin_session(void)
 {
     struct channel ch;
@@ -156,7 +158,7 @@ static struct channel begin_session(void)
     return ch;
 }
 
-/* The friend who is served says something and is answered. */
+/* The client in session sends a message and is answered. */
 static bool is_served(struct channel *ch)
 {
     struct frame f;
@@ -164,8 +166,8 @@ static bool is_served(struct channel *ch)
            channel_receive(ch, LIMIT_SMALL, soon(), &f, NULL) == DM2_OK && f.type == MESSAGE_ECHO;
 }
 
-/* Returns the descriptors that the server has while it serves a friend: whatever was before is closed then.
- */
+/* Returns the number of the server's descriptors during a session: all earlier connections are closed
+ * then. */
 static int visit(void)
 {
     struct channel ch = begin_session();
@@ -174,7 +176,7 @@ static int visit(void)
     return descriptors;
 }
 
-/* Resident pages of the server; 0 where the system does not tell. */
+/* Resident pages of the server; 0 where the system does not say. */
 static long server_pages(void)
 {
     char path[64], text[128] = "";
@@ -188,7 +190,7 @@ static long server_pages(void)
     return pages;
 }
 
-/* Everything that comes until the server closes; returns its length, at most n. */
+/* Reads until the server closes; returns the length, at most n. */
 static size_t rest_of(int fd, unsigned char *out, size_t n)
 {
     size_t have = 0, got = 0;
@@ -199,7 +201,7 @@ static size_t rest_of(int fd, unsigned char *out, size_t n)
     return have;
 }
 
-/* The bytes of the one answer that strangers get. */
+/* The bytes of the answer to a visitor without the key. */
 static size_t refusal(unsigned char *out, size_t n)
 {
     int fd[2];
@@ -217,8 +219,8 @@ static size_t refusal(unsigned char *out, size_t n)
     return got > 0 ? (size_t)got : 0;
 }
 
-/* These bytes, then the end of the stream: the answer is the refusal, or nothing where the stream was cut
- * short. */
+/* Sends these bytes, then the end of the stream: the answer is the refusal, or nothing where the stream was
+ * cut short. */
 static void is_refused(const void *bytes, size_t n, bool answered)
 {
     unsigned char want[256], got[256];
@@ -247,7 +249,7 @@ TEST(scanners_and_noise)
         size_t n = random_bits(1, k, 1) % sizeof noise;
         for (size_t i = 0; i < sizeof noise; i++)
             noise[i] = (unsigned char)random_bits(2, k, i);
-        if (k % 2 == 0) { /* a header that is good as far as its length, or nearly so */
+        if (k % 2 == 0) { /* a header that is valid up to its length, or nearly so */
             const struct frame_header h = {.version = PROTOCOL_VERSION,
                                            .type = noise[6] % 27,
                                            .length = k % 4 == 0 ? AUTH_NONCE : noise[8]};
@@ -256,14 +258,14 @@ TEST(scanners_and_noise)
         is_refused(noise, n, false);
     }
     CHECK_EQ_INT(visit(), fds);
-#ifndef __SANITIZE_ADDRESS__ /* which keeps freed memory on purpose */
+#ifndef __SANITIZE_ADDRESS__ /* AddressSanitizer keeps freed memory on purpose */
     CHECK(server_pages() <= pages + 64);
 #else
     CHECK(pages >= 0);
 #endif
 }
 
-/* A byte now and then does not stretch the time that a stranger has. */
+/* A byte now and then does not extend the time of a visitor without the key. */
 TEST(slow_strangers_are_cut_off)
 {
     unsigned char frame[FRAME_HEADER];
@@ -282,8 +284,8 @@ TEST(slow_strangers_are_cut_off)
     (void)visit();
 }
 
-/* More of those who say nothing than find room: they are sent away, the friend behind them has his turn, and
- * nothing of them stays. */
+/* More silent visitors than the lobby holds: the server sends them away, the next client gets its session,
+ * and the server keeps nothing of the visitors. */
 TEST(a_silent_crowd_is_sent_away)
 {
     enum { CROWD = 2 * LOBBY_MOST + 8 };
@@ -301,8 +303,8 @@ TEST(a_silent_crowd_is_sent_away)
     CHECK_EQ_INT(visit(), fds);
 }
 
-/* While a session lasts those who look like clients keep out neither who asks for the status nor a friend,
- * and lose their places where they say no more or close. */
+/* During a session, visitors that look like clients keep out neither a status inquiry nor a client with the
+ * key, and lose their places when they fall silent or close. */
 TEST(a_crowd_does_not_silence_a_busy_server)
 {
     const struct frame_header h = {.version = PROTOCOL_VERSION, .type = MESSAGE_KNOCK, .length = AUTH_NONCE};
@@ -340,7 +342,7 @@ TEST(a_crowd_does_not_silence_a_busy_server)
     (void)visit();
 }
 
-/* A server that has no descriptor for those who come serves whom it has, and the next one. */
+/* A server without a free descriptor goes on with its session and then serves the next client. */
 TEST(a_shortage_of_descriptors)
 {
     enum { CROWD = 12, ROOM = 8 };
@@ -350,10 +352,10 @@ TEST(a_shortage_of_descriptors)
     struct channel served = begin_session();
     for (int k = 0; k < CROWD; k++)
         fd[k] = connected();
-    for (int k = 0; k < 2 * CROWD; k++) /* each time the server may take one */
+    for (int k = 0; k < 2 * CROWD; k++) /* the server may accept one visitor each time */
         CHECK(is_served(&served));
     channel_close(&served);
-    CHECK(rest_of(fd[0], got, sizeof got) > 0); /* it was idle and full until it sent this one away */
+    CHECK(rest_of(fd[0], got, sizeof got) > 0); /* the idle server was full until it sent this visitor away */
     for (int k = 0; k < CROWD; k++)
         socket_close(fd[k]);
     (void)visit();
@@ -369,7 +371,7 @@ TEST(another_key_is_refused)
     (void)visit();
 }
 
-/* What a friend once sent does not open the door again: the server's number is another. */
+/* A recorded handshake is refused, because the server's nonce differs each time. */
 TEST(a_recorded_handshake_is_refused)
 {
     struct auth_nonces first, second;
@@ -388,8 +390,8 @@ TEST(a_recorded_handshake_is_refused)
     (void)visit();
 }
 
-/* Who asks for the status and who wants a session prove the key in different words: one cannot be made of the
- * other. */
+/* The proofs of a status inquiry and of a session differ in their purpose: a code for one is refused for
+ * the other. */
 TEST(a_code_for_another_purpose_is_refused)
 {
     for (int k = 0; k < 2; k++) {
@@ -409,7 +411,7 @@ TEST(a_code_for_another_purpose_is_refused)
     (void)visit();
 }
 
-/* A code made by a server, for these very numbers, is not a client's; nor is one of another version. */
+/* A server's code for the same nonces is no client's code; nor is a code of another protocol version. */
 TEST(a_reflected_code_is_refused)
 {
     for (int k = 0; k < 2; k++) {
@@ -425,7 +427,7 @@ TEST(a_reflected_code_is_refused)
     (void)visit();
 }
 
-/* One who stands between and turns one bit of a friend's message ends the session, nothing more. */
+/* A relay that changes one bit of a client's message ends the session and nothing more. */
 TEST(a_changed_bit_ends_the_session)
 {
     struct bytes_writer w = {0};
@@ -438,7 +440,7 @@ TEST(a_changed_bit_ends_the_session)
         CHECK(enter(&ch, &KEY));
         CHECK_EQ_INT(socketpair(AF_UNIX, SOCK_STREAM, 0, fd), 0);
         int real = ch.fd;
-        ch.fd = fd[0]; /* the frame as the friend would send it, to be changed before it goes on */
+        ch.fd = fd[0]; /* the frame as the client would send it, changed before it goes on */
         CHECK_EQ_INT(channel_send(&ch, MESSAGE_HELLO, 0, w.data, w.length, soon(), NULL), DM2_OK);
         ch.fd = real;
         ssize_t n = read(fd[1], bytes, sizeof bytes);
@@ -456,7 +458,8 @@ TEST(a_changed_bit_ends_the_session)
     (void)visit();
 }
 
-/* A friend who sends nonsense, with good tags: every type, random payloads, before and after HELLO. */
+/* A client with the key that sends nonsense under valid tags: every type, random payloads, before and after
+ * HELLO. */
 TEST(nonsense_from_a_friend)
 {
     struct bytes_writer w = {0};
@@ -495,7 +498,7 @@ static void run_started(void)
     test_a_reflected_code_is_refused();
     test_a_changed_bit_ends_the_session();
     test_nonsense_from_a_friend();
-    CHECK_EQ_INT(waitpid(server_id, NULL, WNOHANG), 0); /* it lives */
+    CHECK_EQ_INT(waitpid(server_id, NULL, WNOHANG), 0); /* the server still runs */
     end_server();
 }
 

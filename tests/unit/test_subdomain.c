@@ -1,4 +1,4 @@
-/* The engine's search, sums and exchange against the plainest program that does the same: all pairs, a full
+/* The engine's search, sums and exchange against the plainest program for the same model: all pairs, a full
  * matrix of pair memories, sums in floating point; and any number of ranks against one, bit for bit. The
  * random states have elements outside the grid, on cell edges, with coincident coordinates in one axis, in
  * domains one cell wide, and across periodic sides. */
@@ -46,7 +46,7 @@ static void replace(char *text, size_t size, const char *word, const char *by)
 
 struct shape_case {
     const char *name, *w, *h, *periodic;
-    int ranks_max; /* not more ranks than cells */
+    int ranks_max; /* at most the number of cells */
 };
 
 static const struct shape_case near_shapes[] = {
@@ -76,8 +76,8 @@ static double uniform(uint64_t seed, uint64_t id, uint64_t what)
     return random_uniform(seed, id, 1000 + what);
 }
 
-/* Random elements, about `density` per square length; a tenth each on a cell edge, on the line of the one
- * before, and (where the side is open) outside the grid. No two closer than `apart`. */
+/* Random elements, about `density` per square length; a tenth each lies on a cell edge, on the line of the
+ * element before, and (where the side is open) outside the grid. No two are closer than `apart`. */
 static struct engine_state random_state(const struct engine *g, uint64_t seed, double density, double apart,
                                         double speed)
 {
@@ -133,7 +133,7 @@ struct plain {
     double (*sum)[7];        /* force, damping force, torque and its damping part, heat */
     uint32_t *contacts, *links;
     double *virial;      /* [n][3] */
-    double (*around)[4]; /* sum of r (x) r and number of the pairs that touch or are linked */
+    double (*around)[4]; /* sum of r (x) r over touching and linked pairs, and their number */
     int64_t step;
 };
 
@@ -386,8 +386,7 @@ static void ranks_agree(const char *deck, const struct shape_case *shape, double
         engine_check_same(&got, &want, what);
         CHECK_REPORT(many.migrants >= (counts[c] < 5 ? 3 : 10), "%s: %zu elements migrated", what,
                      many.migrants);
-        /* mirrors are a step behind where they are surveyed, so a rebuild may come sooner, or later for that
-         */
+        /* a survey sees mirrors a step late, so more ranks may rebuild sooner or later */
         CHECK_REPORT(many.rebuilds + 2 >= one.rebuilds && many.rebuilds <= one.rebuilds + 2,
                      "%s: %zu rebuilds, one rank: %zu", what, many.rebuilds, one.rebuilds);
         engine_state_free(&got);
@@ -409,8 +408,8 @@ TEST(any_number_of_ranks_gives_the_same_bits)
 
 /* --- memory of pairs --- */
 
-/* Elements that fly as one never come closer: nothing is rebuilt, however far they go and through whichever
- * boundary; one that meets them is found. */
+/* Elements with a common velocity never approach each other: their flight over any distance and through any
+ * boundary needs no rebuild, and an element in their way is found. */
 TEST(motion_as_a_whole_needs_no_rebuild)
 {
     static const struct shape_case shape = {"periodic", "w=14.3", "h=14.3", "boundary = periodic periodic;",
@@ -436,8 +435,8 @@ TEST(motion_as_a_whole_needs_no_rebuild)
     }
 }
 
-/* Two linked elements whose pair has a stretch and a spring fly through every rank: the memory stays theirs.
- * Far beyond the reach of contact the link alone keeps the pair. */
+/* Two linked elements whose pair has a stretch and a spring fly through every rank: the pair keeps its
+ * memory. Far beyond the reach of contact the link alone keeps the pair. */
 TEST(pair_memory_travels_with_migrants)
 {
     struct engine g;
@@ -446,11 +445,11 @@ TEST(pair_memory_travels_with_migrants)
     snprintf(text, sizeof text, "%s", near_deck);
     replace(text, sizeof text, "PERIODIC", "");
     replace(text, sizeof text, "SEARCH", "cells+lists");
-    replace(text, sizeof text, "k = 40;", "k = 1e-9;"); /* too soft to do anything in this time */
+    replace(text, sizeof text, "k = 40;", "k = 1e-9;"); /* too soft to act in this time */
     replace(text, sizeof text, "link_break = 1.1", "link_break = 1.4");
     replace(text, sizeof text, "r_c = 1.3", "r_c = 1.6");
     replace(text, sizeof text, "delta_r = 0.3",
-            "delta_r = 0.3; rebuild_every = 3"); /* their motion alone, as one, asks for none */
+            "delta_r = 0.3; rebuild_every = 3"); /* their common motion alone asks for no rebuild */
     const char *defines[] = {shape.w, shape.h, NULL};
     engine_load(&g, text, defines, 9);
     double radius = g.deck.config.bodies[0].radius;
@@ -459,7 +458,7 @@ TEST(pair_memory_travels_with_migrants)
     struct pair_record pair = {.id_a = 0, .id_b = 1, .linked = 1, .stretch = 0.375, .spring = -0.125};
     struct engine_state s = {.e = e, .n = 2, .pair = &pair, .n_pairs = 1};
     engine_restore(&g, 1, &s);
-    bool apart = false; /* were the two ever owned by different ranks? */
+    bool apart = false; /* were the two elements ever owned by different ranks? */
     for (int step = 0; step < 120; step++) {
         engine_step(&g, NULL);
         struct engine_state now = engine_collect(&g, false);

@@ -1,5 +1,5 @@
-/* Heat and phases against what is known of them: series solution, mixing temperature, softening, transition
- * lines, latent heat, conservation, and the same bits on any number of ranks. */
+/* Heat and phases against known results: series solution, mixing temperature, softening, transition lines,
+ * latent heat, conservation, and the same bits on any number of ranks. */
 #include "thermo_help.h"
 
 #include "engine/phase.h"
@@ -22,7 +22,7 @@ static const double pi = 3.14159265358979323846;
     "; spacing = d; origin = d/4, h/2; material = Cu; temperature = 300; motion = fixed }\n"                 \
     "output { history_every = 1000 }\n"
 
-/* Insulated rod of length `length`, its first half hot: temperature at `at` and time t. */
+/* Temperature at `at` and time t of an insulated rod of length `length` whose first half was hot. */
 static double rod_series(double length, double at, double diffusivity, double t)
 {
     double sum = 450.0;
@@ -47,7 +47,7 @@ static void check_rod(const char *deck, int axis, double length, const char *wha
     struct engine_state s = engine_collect(&g, true);
     double worst = 0.0;
     for (size_t k = 0; k < s.n; k++) {
-        /* conducted over half a step at first, and over whole ones since */
+        /* conduction acts over half a step at first, then over whole steps */
         double t = ((double)g.deck.config.steps - 0.5) * 0.02,
                want = rod_series(length, s.e[k].r[axis], diffusivity, t);
         worst = fmax(worst, fabs(s.m[k].temperature - want));
@@ -174,13 +174,12 @@ TEST(transitions_are_exactly_at_their_lines)
     CHECK_NEAR_REL(phase_radius(m, 0.02, 0, 1), 0.02 * sqrt(7.3 / 7.4), 1e-15);
     CHECK_NEAR_REL(phase_radius(m, phase_radius(m, 0.02, 0, 1), 1, 0), 0.02, 1e-15);
     struct config *c = &g.deck.config;
-    CHECK_NEAR(c->phases[2].state.rho0, 7.4, 0.0);      /* from the phase it forms from */
-    CHECK_NEAR(c->phases[1].state.tensile, 0.005, 0.0); /* from the material */
+    CHECK_NEAR(c->phases[2].state.rho0, 7.4, 0.0);      /* of the phase that it forms from */
+    CHECK_NEAR(c->phases[1].state.tensile, 0.005, 0.0); /* of the material */
     engine_stop(&g);
 }
 
-/* Heat flows from a hot body into one that melts; every transition takes m L, at whatever temperature it
- * happens. */
+/* Heat flows from a hot body into a melting one; every transition takes m L at any temperature. */
 TEST(melting_takes_the_latent_heat)
 {
     struct engine g;
@@ -211,7 +210,7 @@ TEST(melting_takes_the_latent_heat)
         up += s.e[k].mass * 2.3e-6 * (s.e[k].kind == 1 ? 1200.0 : 450.0);
         down += s.e[k].mass * cp;
     }
-    /* sum m cp (T - 505) + latent heat stays. */
+    /* sum m cp (T - 505) + latent heat is constant. */
     double want = (up - mass * 2e-4 + mass * 0.2e-6 * 505.0) / down;
     printf("melting: %zu of %zu elements are liquid; %.3f K\n", liquid, s.n, s.m[0].temperature);
     CHECK(liquid > s.n / 3 && liquid < s.n);
@@ -236,7 +235,7 @@ TEST(melting_takes_the_latent_heat)
     "body b { shape = disc 1.0, 0.42, 0.28; spacing = d; material = Ni; velocity = -v, 0 }\n"                \
     "let dt = 0.01\nlet v = 0.06\n"
 
-/* Energy book of an impact that makes and undoes a denser phase; the error halves with the step. */
+/* Energy account of an impact that forms a denser phase and undoes it; the error halves with the step. */
 TEST(the_energy_account_of_a_transition_closes)
 {
     double drift[2];

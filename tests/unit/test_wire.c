@@ -96,8 +96,7 @@ TEST(a_parcel_round_trip)
     bytes_free(&w);
 }
 
-/* The element must not decode: neither alone nor as part of a parcel, nor as a mirror where a mirror has the
- * invalid field. */
+/* Checks that the element does not decode: alone, in a parcel, and, with `mirrored`, as a mirror. */
 static void check_refused(struct element e, bool mirrored)
 {
     struct bytes_writer w = {0};
@@ -412,7 +411,7 @@ TEST(a_state_is_compiled_from_parts)
     state_merge_free(&m);
 }
 
-/* The client refuses a state of which an element has an invalid field. */
+/* The client refuses a part of a state with an invalid element. */
 TEST(a_state_with_an_invalid_element)
 {
     struct state_message head = {.step = 4, .purpose = STATE_FINAL, .last = true, .n_elements = 1};

@@ -1,5 +1,5 @@
-/* For tests of heat, phases and the reaction: energies as doubles, decks that are refused, and the same bits
- * on any number of ranks. */
+/* For tests of heat, phases and the reaction: energies as doubles, refused decks, and the same bits on any
+ * number of ranks. */
 #ifndef DM2_TESTS_THERMO_HELP_H
 #define DM2_TESTS_THERMO_HELP_H
 
@@ -14,18 +14,18 @@
     "material NiAl { rho0 = 5.86; c0 = 0.519; s = 1.5; shear = 0.75; yield = 0.003; tensile = 0.01; cp = "   \
     "5.4e-6; kappa = 8e-12 }\n"
 
-/* Frame and specimen of a deck that is refused for its phase or reaction. */
+/* Frame and specimen of a deck with a phase or a reaction that is refused. */
 #define THERMO_FRAME                                                                                         \
     THERMO_METALS "domain { size = 1, 1; r_c = 0.06; delta_r = 0.01 }\ntime { dt = 0.01; steps = 1 }\n"
 #define THERMO_SPECIMEN "body a { shape = rectangle 0, 0, 0.2, 0.2; spacing = 0.04; material = Al }\n"
 
-/* kinetic etc. as doubles */
+/* An energy of struct measures, g cm2/us2. */
 static inline double thermo_energy(const struct engine *g, const struct exact_sum *sum)
 {
     return exact_value(sum, model_scales(g->model).energy);
 }
 
-/* One more step with its measures. */
+/* Takes one step that measures. */
 static inline struct measures thermo_step(struct engine *g)
 {
     struct measures m;
@@ -55,7 +55,7 @@ static inline void thermo_check_ranks(const char *deck, const char *what, const 
         engine_start(&g, deck, NULL, ranks[k]);
         engine_run(&g, 250);
         engine_step(&g, &m);
-        CHECK(8 * subdomain_update_width(g.model) <= 88); /* the paper's g */
+        CHECK(8 * subdomain_update_width(g.model) <= 88); /* g of the paper */
         struct engine_state s = engine_collect(&g, false);
         if (k == 0) {
             size_t changed = 0;
