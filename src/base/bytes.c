@@ -28,12 +28,13 @@ unsigned char *bytes_put_room(struct bytes_writer *w, size_t n)
     if (w->failed)
         return NULL;
     if (n > w->cap - w->length) {
-        void *block = w->data;
-        if (n > SIZE_MAX - w->length || mem_grow(&block, &w->cap, w->length, w->length + n, 1) != 0) {
+        unsigned char *grown =
+            n > SIZE_MAX - w->length ? NULL : mem_grown(w->data, &w->cap, w->length, w->length + n, 1);
+        if (grown == NULL) {
             w->failed = true;
             return NULL;
         }
-        w->data = block;
+        w->data = grown;
     }
     unsigned char *room = w->data + w->length;
     w->length += n;

@@ -61,8 +61,8 @@ static enum dm2_status unquote(struct csv_parser *p, struct dm2_error *err)
 static enum dm2_status parse_field(struct csv_parser *p, struct dm2_error *err)
 {
     struct csv *csv = p->csv;
-    void *fields = csv->fields;
-    if (mem_grow(&fields, &p->cap_fields, p->n_fields, p->n_fields + 1, sizeof *csv->fields) != 0)
+    char **fields = mem_grown(csv->fields, &p->cap_fields, p->n_fields, p->n_fields + 1, sizeof *fields);
+    if (fields == NULL)
         return no_memory(csv, err);
     csv->fields = fields;
     csv->fields[p->n_fields++] = p->out;
@@ -111,8 +111,8 @@ static enum dm2_status parse_rows(struct csv_parser *p, struct dm2_error *err)
             return dm2_fail(err, DM2_PROTOCOL, "%s:%zu: the row has %zu fields, the header has %zu",
                             csv->path, line, count, csv->n_columns);
         } else {
-            void *lines = csv->lines;
-            if (mem_grow(&lines, &p->cap_rows, csv->n_rows, csv->n_rows + 1, sizeof *csv->lines) != 0)
+            size_t *lines = mem_grown(csv->lines, &p->cap_rows, csv->n_rows, csv->n_rows + 1, sizeof *lines);
+            if (lines == NULL)
                 return no_memory(csv, err);
             csv->lines = lines;
             csv->lines[csv->n_rows++] = line;

@@ -95,10 +95,4 @@ static inline bool lists_remembers(const struct lists *l, size_t entry)
     return l->linked[entry] || l->stretch[entry] != 0.0 || l->spring[entry] != 0.0;
 }
 
-/* The shortest difference vector across periodic sides; antisymmetric bit for bit. */
-static inline double lists_wrap(double d, double period, double half)
-{
-    return d > half ? d - period : d < -half ? d + period : d;
-}
-
 #endif

@@ -93,14 +93,17 @@ TEST(random_numbers_are_uniform)
 TEST(memory_sizes_do_not_overflow)
 {
     CHECK(mem_alloc(SIZE_MAX / 2, 4) == NULL);
-    void *block = NULL;
     size_t cap = 0;
-    CHECK_EQ_INT(mem_grow(&block, &cap, 0, 10, 8), 0);
-    ((double *)block)[9] = 4.5;
-    CHECK_EQ_INT(mem_grow(&block, &cap, 10, 1000, 8), 0);
-    CHECK_SAME_BITS(((double *)block)[9], 4.5);
-    CHECK(cap >= 1000);
-    free(block);
+    double *item = mem_grown(NULL, &cap, 0, 10, sizeof *item);
+    CHECK(item != NULL && cap >= 10);
+    item[9] = 4.5;
+    CHECK(mem_grown(item, &cap, 10, SIZE_MAX / 4, sizeof *item) == NULL);
+    CHECK_SAME_BITS(item[9], 4.5);
+    CHECK(mem_grown(item, &cap, 10, 10, sizeof *item) == item);
+    item = mem_grown(item, &cap, 10, 1000, sizeof *item);
+    CHECK(item != NULL && cap >= 1000);
+    CHECK_SAME_BITS(item[9], 4.5);
+    free(item);
 }
 
 TEST(texts_of_others_do_nothing_to_a_terminal)
