@@ -9,6 +9,7 @@
 #include "dm2/base/version.h"
 #include "dm2/cluster/decomposition.h"
 #include "dm2/cluster/report.h"
+#include "dm2/deck/schedule.h"
 #include "dm2/engine/rebuild.h"
 #include "dm2/engine/subdomain.h"
 #include "dm2/output/state_hash.h"
@@ -89,7 +90,7 @@ static enum dm2_status write_profiles(struct sequence *s, struct dm2_error *err)
     enum dm2_status status = DM2_OK;
     for (size_t k = 0; k < c->n_profiles && status == DM2_OK; k++) {
         size_t bytes = (size_t)c->profiles[k].bins * sizeof *s->bins;
-        if (!results_profile_due(c, k, step))
+        if (!schedule_profile(c, k, step))
             continue;
         free(s->bins);
         s->bins = mem_zalloc(1, bytes);
@@ -131,12 +132,12 @@ static enum dm2_status step(struct sequence *s, struct dm2_error *err)
 {
     const struct config *c = &s->run->config;
     int64_t n = subdomain_step(s->sd);
-    bool history = results_history_due(c, n), snapshot = results_snapshot_due(c, n);
+    bool history = schedule_history(c, n), snapshot = schedule_snapshot(c, n);
     struct measures measures;
     struct spread spread;
     bool survey = rebuild_plan_survey(&s->plan);
     double dmax, started = clock_now(), output = s->report.output;
-    enum dm2_status status = subdomain_forces(s->sd, results_measure_due(c, n), err);
+    enum dm2_status status = subdomain_forces(s->sd, schedule_measure(c, n), err);
     if (status == DM2_OK && snapshot)
         status = write_state(s, SNAPSHOT, err);
     if (status == DM2_OK)
@@ -167,13 +168,13 @@ static enum dm2_status finish(struct sequence *s, struct dm2_error *err)
     enum dm2_status status = write_state(s, FINAL, err);
     if (status == DM2_OK)
         status = subdomain_forces(s->sd, true, err);
-    if (status == DM2_OK && results_snapshot_due(c, c->steps))
+    if (status == DM2_OK && schedule_snapshot(c, c->steps))
         status = write_state(s, SNAPSHOT, err);
     if (status == DM2_OK)
         status = write_profiles(s, err);
     if (status == DM2_OK)
         status = subdomain_measure_last(s->sd, &measures, err);
-    if (status == DM2_OK && results_history_due(c, c->steps))
+    if (status == DM2_OK && schedule_history(c, c->steps))
         status = results_history(s->results, c->steps, &measures, err);
     return status;
 }
@@ -192,8 +193,7 @@ static enum dm2_status run_steps(struct sequence *s, int cancel, struct dm2_erro
             status = print_hash(s, err);
         bool asked = cancel >= 0 && poll(&signal, 1, 0) > 0;
         int64_t n = subdomain_step(s->sd);
-        if (status == DM2_OK &&
-            ((asked && n < steps) || results_checkpoint_due(&s->run->config, s->every, n)))
+        if (status == DM2_OK && ((asked && n < steps) || schedule_checkpoint(&s->run->config, s->every, n)))
             status = write_state(s, CHECKPOINT, err);
         if (status == DM2_OK && asked && n < steps)
             status = dm2_fail(err, DM2_INTERRUPTED, "the run was interrupted by a signal at step %lld",

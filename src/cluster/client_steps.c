@@ -11,6 +11,7 @@
 
 #include "dm2/base/bytes.h"
 #include "dm2/base/clock.h"
+#include "dm2/deck/schedule.h"
 #include "dm2/output/results.h"
 
 static enum dm2_status take_step(void *context, int rank, struct bytes_reader *r, struct dm2_error *err)
@@ -142,7 +143,7 @@ static enum dm2_status run_step(struct client *c, int64_t n, bool *rebuild, stru
 {
     const struct config *config = c->job->config;
     const struct client_events *events = &c->options->events;
-    bool history = results_history_due(config, n), snapshot = results_snapshot_due(config, n);
+    bool history = schedule_history(config, n), snapshot = schedule_snapshot(config, n);
     int64_t every = c->options->hash_every;
     bool hashed = every > 0 && ((n + 1) % every == 0 || n + 1 == config->steps);
     struct step_sum sum;
@@ -154,7 +155,7 @@ static enum dm2_status run_step(struct client *c, int64_t n, bool *rebuild, stru
     collection_expect_profiles(&c->collection, n);
     enum dm2_status status = conversation_gather(&c->talk, MESSAGE_STEP, LIMIT_STEP, take_step, false, err);
     if (status == DM2_OK)
-        status = sum_steps(c, *rebuild, results_measure_due(config, n), hashed, c->survey, &sum, err);
+        status = sum_steps(c, *rebuild, schedule_measure(config, n), hashed, c->survey, &sum, err);
     if (status == DM2_OK)
         status = exchange_step(c, rebuild, &sum, err);
     if (status != DM2_OK)
@@ -223,7 +224,7 @@ enum dm2_status client_finish(struct client *c, struct dm2_error *err)
     const struct config *config = c->job->config;
     struct measures sum;
     double start = clock_now();
-    bool snapshot = results_snapshot_due(config, config->steps);
+    bool snapshot = schedule_snapshot(config, config->steps);
     collection_expect(&c->collection, STATE_FINAL, true, config->steps);
     collection_expect(&c->collection, STATE_SNAPSHOT, snapshot, config->steps);
     collection_expect_profiles(&c->collection, config->steps);
@@ -233,7 +234,7 @@ enum dm2_status client_finish(struct client *c, struct dm2_error *err)
     measures_clear(&sum);
     for (int k = 0; k < c->ranks; k++)
         measures_merge(&sum, &c->answers[k].done.measures);
-    if (status == DM2_OK && results_history_due(config, config->steps))
+    if (status == DM2_OK && schedule_history(config, config->steps))
         status = results_history(c->job->results, config->steps, &sum, err);
     if (status == DM2_OK)
         status = collection_write_profiles(&c->collection, err);

@@ -8,6 +8,7 @@
 #include "dm2/base/bytes.h"
 #include "dm2/base/mem.h"
 #include "dm2/cluster/wire.h"
+#include "dm2/deck/schedule.h"
 #include "dm2/output/results.h"
 
 static struct compilation *find_state(struct collection *c, enum state_purpose purpose)
@@ -94,7 +95,7 @@ void collection_expect_profiles(struct collection *c, int64_t step)
     c->profile_step = step;
     for (size_t k = 0; k < config->n_profiles; k++) {
         struct profile_part *p = &c->profiles[k];
-        p->due = results_profile_due(config, k, step);
+        p->due = schedule_profile(config, k, step);
         memset(p->bins, 0, (size_t)config->profiles[k].bins * sizeof *p->bins);
         memset(p->came, 0, (size_t)c->talk->ranks * sizeof *p->came);
     }

@@ -8,6 +8,7 @@
 
 #include "dm2/base/mem.h"
 #include "dm2/cluster/wire.h"
+#include "dm2/deck/schedule.h"
 
 enum { LOSSES_MOST = 3 }; /* survived without a new copy in between: losses of one server, renewals of all */
 
@@ -66,7 +67,7 @@ bool course_wants_copy(struct course *course, const struct client_job *job, int6
 {
     const struct config *config = job->config;
     bool wanted = step < config->steps && (course->stopping || copy_plan_due(&course->plan, step) ||
-                                           results_checkpoint_due(config, course->checkpoint_every, step));
+                                           schedule_checkpoint(config, course->checkpoint_every, step));
     if (wanted)
         copy_plan_asked(&course->plan, step);
     return wanted;
@@ -84,7 +85,7 @@ void course_tell_hash(struct course *course, const struct client_options *option
 /* Whether the copy of the state at `step` is to be written as a checkpoint. */
 static bool checkpoint_due(const struct course *course, const struct client_job *job, int64_t step)
 {
-    return course->stopping || results_checkpoint_due(job->config, course->checkpoint_every, step);
+    return course->stopping || schedule_checkpoint(job->config, course->checkpoint_every, step);
 }
 
 /* Writes course->copy as a checkpoint. */

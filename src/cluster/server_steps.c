@@ -12,7 +12,7 @@
 #include "dm2/base/clock.h"
 #include "dm2/base/mem.h"
 #include "dm2/cluster/wire.h"
-#include "dm2/output/results.h"
+#include "dm2/deck/schedule.h"
 #include "dm2/output/state_hash.h"
 #include "state_parts.h"
 
@@ -76,7 +76,7 @@ static enum dm2_status send_profiles(struct session *s, struct dm2_error *err)
     enum dm2_status status = DM2_OK;
     for (size_t k = 0; k < s->config.n_profiles && status == DM2_OK; k++) {
         struct profile_message m = {.step = step, .which = k, .n_bins = (size_t)s->config.profiles[k].bins};
-        if (!results_profile_due(&s->config, k, step))
+        if (!schedule_profile(&s->config, k, step))
             continue;
         struct profile_bin *bins = mem_zalloc(m.n_bins, sizeof *bins);
         if (bins == NULL)
@@ -172,7 +172,7 @@ static void start_next_forces(struct session *s, int64_t step)
     (void)sched_yield();
     double start = clock_now();
     (void)count_cpu(s, true);
-    subdomain_forces_ahead(s->sd, results_measure_due(&s->config, step));
+    subdomain_forces_ahead(s->sd, schedule_measure(&s->config, step));
     (void)count_cpu(s, false);
     s->ahead = clock_now() - start;
     s->times.ahead += s->ahead;
@@ -218,7 +218,7 @@ static enum dm2_status swap_segments(struct session *s, struct step_message *m, 
 static enum dm2_status run_step(struct session *s, int64_t n, struct next_message *asked,
                                 struct dm2_error *err)
 {
-    bool snapshot = results_snapshot_due(&s->config, n), measure = results_measure_due(&s->config, n);
+    bool snapshot = schedule_snapshot(&s->config, n), measure = schedule_measure(&s->config, n);
     struct step_message m = {.step = n + 1, .measured = measure};
     int64_t every = s->assign.hash_every;
     enum dm2_status status = subdomain_forces(s->sd, measure, err);
@@ -264,7 +264,7 @@ enum dm2_status server_send_done(struct session *s, struct dm2_error *err)
     enum dm2_status status = send_state(s, STATE_FINAL, err);
     if (status == DM2_OK)
         status = subdomain_forces(s->sd, true, err);
-    if (status == DM2_OK && results_snapshot_due(&s->config, s->config.steps))
+    if (status == DM2_OK && schedule_snapshot(&s->config, s->config.steps))
         status = send_state(s, STATE_SNAPSHOT, err);
     if (status == DM2_OK)
         status = send_profiles(s, err);

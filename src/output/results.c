@@ -23,6 +23,7 @@
 #include "dm2/base/mem.h"
 #include "dm2/base/number.h"
 #include "dm2/base/text.h"
+#include "dm2/deck/schedule.h"
 #include "dm2/output/state.h"
 #include "fragments.h"
 #include "resume.h"
@@ -72,34 +73,6 @@ char *results_default_directory(const char *deck_path)
 const char *results_directory(const struct results *r)
 {
     return r->directory;
-}
-
-bool results_history_due(const struct config *c, int64_t step)
-{
-    return step == c->steps || (c->output.history_every > 0 && step % c->output.history_every == 0);
-}
-
-bool results_snapshot_due(const struct config *c, int64_t step)
-{
-    if (c->output.snapshot_every > 0 && step % c->output.snapshot_every == 0)
-        return true;
-    for (size_t i = 0; i < c->output.n_snapshot_at; i++)
-        if (c->output.snapshot_at[i] == step)
-            return true;
-    return false;
-}
-
-bool results_profile_due(const struct config *c, size_t which, int64_t step)
-{
-    return step == c->steps || step % c->profiles[which].every == 0;
-}
-
-bool results_measure_due(const struct config *c, int64_t step)
-{
-    bool due = results_history_due(c, step) || results_snapshot_due(c, step);
-    for (size_t k = 0; k < c->n_profiles; k++)
-        due |= results_profile_due(c, k, step);
-    return due;
 }
 
 /* --- the directory --- */
@@ -615,18 +588,18 @@ struct profile_due {
 
 static bool history_due(const void *context, int64_t step)
 {
-    return results_history_due(context, step);
+    return schedule_history(context, step);
 }
 
 static bool snapshot_due(const void *context, int64_t step)
 {
-    return results_snapshot_due(context, step);
+    return schedule_snapshot(context, step);
 }
 
 static bool profile_due(const void *context, int64_t step)
 {
     const struct profile_due *p = context;
-    return results_profile_due(p->config, p->which, step);
+    return schedule_profile(p->config, p->which, step);
 }
 
 /* Takes one table over from the directory `source`: its .part file, or the file of a run that came to its
@@ -679,7 +652,7 @@ static enum dm2_status continue_tables(struct results *r, const char *source, bo
     }
     bool fragments = false;
     for (int64_t s = 0; s < step && !fragments; s++)
-        fragments = results_snapshot_due(c, s);
+        fragments = schedule_snapshot(c, s);
     plan = (struct resume_plan){.due = snapshot_due, .context = c, .rows = 1, .step = step};
     if (status == DM2_OK && fragments)
         status = continue_table(r, source, here, "fragments.csv", &plan, &r->fragments, err);
@@ -693,7 +666,7 @@ static enum dm2_status continue_series(struct results *r, int64_t step, struct d
     enum dm2_status status = directory == NULL ? no_memory(err) : DM2_OK;
     for (int64_t s = 0; s < step && status == DM2_OK && r->config->output.vtp; s++) {
         char name[SNAPSHOT_NAME_MAX];
-        if (!results_snapshot_due(r->config, s))
+        if (!schedule_snapshot(r->config, s))
             continue;
         snapshot_file_name(s, "vtp", name);
         char *path = text_join(directory, "/", name);
@@ -746,11 +719,6 @@ enum dm2_status results_continue(const char *directory, bool overwrite, const ch
     }
     *out = r;
     return DM2_OK;
-}
-
-bool results_checkpoint_due(const struct config *c, int64_t every, int64_t step)
-{
-    return every > 0 && step > 0 && step < c->steps && step % every == 0;
 }
 
 int64_t results_checkpoint_step(const struct results *r)

@@ -10,6 +10,7 @@
 
 #include "dm2/base/csv.h"
 #include "dm2/base/exact.h"
+#include "dm2/deck/schedule.h"
 #include "dm2/output/results.h"
 #include "dm2/output/state.h"
 #include "dm2/plot/vtp_reader.h"
@@ -90,13 +91,13 @@ TEST(steps_that_are_due)
     static const int64_t history[] = {0, 10, 20, 25}, snapshots[] = {3, 17}, every[] = {0, 3, 12, 17, 24};
     size_t h = 0, s = 0, e = 0;
     for (int64_t step = 0; step <= 25; step++) {
-        if (results_history_due(&c, step))
+        if (schedule_history(&c, step))
             CHECK_EQ_INT(step, history[h++]);
         c.output.snapshot_every = 0;
-        if (results_snapshot_due(&c, step))
+        if (schedule_snapshot(&c, step))
             CHECK_EQ_INT(step, snapshots[s++]);
         c.output.snapshot_every = 12;
-        if (results_snapshot_due(&c, step))
+        if (schedule_snapshot(&c, step))
             CHECK_EQ_INT(step, every[e++]);
     }
     CHECK_EQ_INT(h, 4);
@@ -213,9 +214,9 @@ TEST(profile_rows)
         exact_add(&bins[0].stress[c], -0.5 * c, scales.energy);
     exact_add(&bins[0].temperature, 1240, scales.temperature);
     struct results *r = open_results(&f, "profile", false);
-    CHECK(results_profile_due(&f.config, 0, 0) && results_profile_due(&f.config, 0, 20) &&
-          results_profile_due(&f.config, 0, 200) && !results_profile_due(&f.config, 0, 5));
-    CHECK(results_measure_due(&f.config, 20) && !results_measure_due(&f.config, 5));
+    CHECK(schedule_profile(&f.config, 0, 0) && schedule_profile(&f.config, 0, 20) &&
+          schedule_profile(&f.config, 0, 200) && !schedule_profile(&f.config, 0, 5));
+    CHECK(schedule_measure(&f.config, 20) && !schedule_measure(&f.config, 5));
     CHECK_EQ_INT(results_profile(r, 0, 40, bins, &err), DM2_OK);
     CHECK(!scratch_exists("profile/profile-depth.csv"));
     CHECK_EQ_INT(results_close(r, &err), DM2_OK);

@@ -68,24 +68,8 @@ enum dm2_status results_checkpoint(struct results *r, const struct state_view *s
 /* The step of the newest checkpoint in the directory that this run wrote or continues from; -1: none. */
 int64_t results_checkpoint_step(const struct results *r);
 
-/* Whether a checkpoint is due at `step`, every `every` steps (0: never), but at the first and last state. */
-bool results_checkpoint_due(const struct config *c, int64_t every, int64_t step);
-
 /* The directory, for messages. */
 const char *results_directory(const struct results *r);
-
-/* Whether step `step` (0: the initial state, c->steps: the final one) has a row in history.csv: every
- * output.history_every steps, and the last one. */
-bool results_history_due(const struct config *c, int64_t step);
-
-/* Whether the deck asks for a snapshot of the state at `step`. */
-bool results_snapshot_due(const struct config *c, int64_t step);
-
-/* Whether the deck's profile `which` is due at `step`: every so many steps, and at the last one. */
-bool results_profile_due(const struct config *c, size_t which, int64_t step);
-
-/* Whether any of these is due, so that the step has to measure. */
-bool results_measure_due(const struct config *c, int64_t step);
 
 /* This and the following two: a step that is there already is not written again. A run that went back to an
  * earlier state repeats such steps, with the same numbers.

@@ -1,0 +1,35 @@
+/* Pure functions of a config and a step. */
+#include "dm2/deck/schedule.h"
+
+bool schedule_history(const struct config *c, int64_t step)
+{
+    return step == c->steps || (c->output.history_every > 0 && step % c->output.history_every == 0);
+}
+
+bool schedule_snapshot(const struct config *c, int64_t step)
+{
+    if (c->output.snapshot_every > 0 && step % c->output.snapshot_every == 0)
+        return true;
+    for (size_t i = 0; i < c->output.n_snapshot_at; i++)
+        if (c->output.snapshot_at[i] == step)
+            return true;
+    return false;
+}
+
+bool schedule_profile(const struct config *c, size_t which, int64_t step)
+{
+    return step == c->steps || step % c->profiles[which].every == 0;
+}
+
+bool schedule_measure(const struct config *c, int64_t step)
+{
+    bool due = schedule_history(c, step) || schedule_snapshot(c, step);
+    for (size_t k = 0; k < c->n_profiles; k++)
+        due |= schedule_profile(c, k, step);
+    return due;
+}
+
+bool schedule_checkpoint(const struct config *c, int64_t every, int64_t step)
+{
+    return every > 0 && step > 0 && step < c->steps && step % every == 0;
+}
