@@ -10,6 +10,7 @@
 #include "dm2/base/version.h"
 #include "dm2/deck/digest.h"
 #include "dm2/engine/subdomain.h"
+#include "dm2/output/run_directory.h"
 
 void run_options_start(struct run_options *o, const char *program, int argc, char **argv,
                        struct option table[RUN_OPTIONS])
@@ -237,7 +238,7 @@ enum dm2_status run_open_results(const struct run_options *o, const struct run *
     if (o->restart != NULL)
         own = directory_of(o->restart);
     else if (o->directory == NULL)
-        own = results_default_directory(o->deck);
+        own = run_directory_default(o->deck);
     const char *directory = o->directory == NULL ? own : o->directory;
     struct measure_scales scales = model_scales(run->model);
     enum dm2_status status;

@@ -38,6 +38,12 @@ struct snapshot {
 enum dm2_status snapshot_write_vtp(const char *path, const struct snapshot *s, struct dm2_error *err);
 enum dm2_status snapshot_write_xyz(const char *path, const struct snapshot *s, struct dm2_error *err);
 
+/* The steps of the snapshots of a run, ascending. `items` is malloc'd. */
+struct snapshot_steps {
+    int64_t *items;
+    size_t n, cap;
+};
+
 /* The ParaView collection of the files state-STEP.vtp (snapshot_file_name) beside it, one per step. */
 enum dm2_status snapshot_write_series(const char *path, const int64_t *steps, size_t n_steps, double dt,
                                       struct dm2_error *err);

@@ -12,6 +12,7 @@
 #include "dm2/base/exact.h"
 #include "dm2/deck/schedule.h"
 #include "dm2/output/results.h"
+#include "dm2/output/run_directory.h"
 #include "dm2/output/state.h"
 #include "dm2/plot/vtp_reader.h"
 
@@ -78,7 +79,7 @@ TEST(default_directory)
                                            {"../x.y.dm2", "x.y.run"},
                                            {".hidden", ".hidden.run"}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        char *name = results_default_directory(cases[i][0]);
+        char *name = run_directory_default(cases[i][0]);
         CHECK_STR(name, cases[i][1]);
         free(name);
     }

@@ -38,11 +38,6 @@ struct results;
 
 enum { RESULTS_DIGEST_BYTES = 32 };
 
-/* The directory of a run whose command line names none: the deck's base name without its last suffix, and
- * ".run", in the current directory ("input/plate-impact.dm2" gives "plate-impact.run"). malloc'd; NULL: no
- * memory. */
-char *results_default_directory(const char *deck_path);
-
 /* Makes the directory (and its parents) or takes an empty one. One that is not empty is an error unless
  * `overwrite`; then the files named above that an earlier run left in it are removed, and nothing else: call
  * this after reading a checkpoint that may lie there. `config` is borrowed for the life of *out; `scales` is

@@ -1,0 +1,168 @@
+/* Columns are written in the order of the tables of names below; numbers are the shortest text that reads
+ * back as the same double. */
+#include "history.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+
+#include "dm2/base/csv.h"
+#include "dm2/base/exact.h"
+#include "dm2/base/number.h"
+
+/* --- history.csv --- */
+
+/* Writes a header field, quoted where CSV asks for it. */
+static void write_heading(struct file_out *f, const char *name, const char *unit)
+{
+    char text[128], quoted[256];
+    (void)snprintf(text, sizeof text, unit[0] == '\0' ? "%s" : "%s [%s]", name, unit);
+    (void)csv_quote(text, quoted, sizeof quoted);
+    file_puts(f, quoted);
+}
+
+void history_put_heading(struct file_out *f, const struct config *c)
+{
+    static const char *const columns[][2] = {
+        {"step", ""},
+        {"time", "us"},
+        {"kinetic", "g cm2/us2"},
+        {"potential", "g cm2/us2"},
+        {"elastic", "g cm2/us2"},
+        {"thermal", "g cm2/us2"},
+        {"chemical", "g cm2/us2"},
+        {"phase", "g cm2/us2"},
+        {"work", "g cm2/us2"},
+        {"total", "g cm2/us2"},
+        {"momentum_x", "g cm/us"},
+        {"momentum_y", "g cm/us"},
+        {"angular_momentum", "g cm2/us"},
+        {"elements", ""},
+        {"links", ""},
+        {"contacts", ""},
+        {"temperature_max", "K"},
+        {"pressure_min", "Mbar"},
+        {"pressure_max", "Mbar"},
+    };
+    static const char *const probe_columns[][2] = {
+        {"x", "cm"}, {"y", "cm"}, {"vx", "cm/us"}, {"vy", "cm/us"}};
+    for (size_t i = 0; i < sizeof columns / sizeof columns[0]; i++) {
+        file_puts(f, i == 0 ? "" : ",");
+        write_heading(f, columns[i][0], columns[i][1]);
+    }
+    for (size_t p = 0; p < c->n_probes; p++) {
+        for (int i = 0; i < 4; i++) {
+            char name[64];
+            (void)snprintf(name, sizeof name, "%s_%s", c->probes[p].name, probe_columns[i][0]);
+            file_puts(f, ",");
+            write_heading(f, name, probe_columns[i][1]);
+        }
+    }
+    file_puts(f, "\n");
+}
+
+static void add_number(struct file_out *f, double x)
+{
+    char text[NUMBER_TEXT_MAX + 1] = ",";
+    size_t length = number_format(x, text + 1);
+    file_write(f, text, length + 1);
+}
+
+/* kinetic + potential + elastic + thermal + chemical + phase - work, without a rounding between. */
+static struct exact_sum conserved(const struct measures *m)
+{
+    struct exact_sum sum = m->work;
+    sum.lo = ~sum.lo + 1u;
+    sum.hi = (int64_t)(~(uint64_t)sum.hi + (sum.lo == 0 ? 1u : 0u));
+    exact_merge(&sum, &m->kinetic);
+    exact_merge(&sum, &m->potential);
+    exact_merge(&sum, &m->elastic);
+    exact_merge(&sum, &m->thermal);
+    exact_merge(&sum, &m->chemical);
+    exact_merge(&sum, &m->phase);
+    return sum;
+}
+
+static void write_probe(struct file_out *f, const struct measure_scales *scales,
+                        const struct probe_sums *probe)
+{
+    double count = (double)probe->count; /* 0: the mean of nothing prints as nan */
+    for (int a = 0; a < 2; a++)
+        add_number(f, exact_value(&probe->r[a], scales->length) / count);
+    for (int a = 0; a < 2; a++)
+        add_number(f, exact_value(&probe->v[a], scales->velocity) / count);
+}
+
+enum dm2_status history_put_row(struct file_out *f, const struct config *c,
+                                const struct measure_scales *scales, int64_t step, const struct measures *m,
+                                struct dm2_error *err)
+{
+    struct exact_sum total = conserved(m);
+    const struct exact_sum *energies[] = {&m->kinetic,  &m->potential, &m->elastic, &m->thermal,
+                                          &m->chemical, &m->phase,     &m->work,    &total};
+    file_printf(f, "%" PRId64, step);
+    add_number(f, (double)step * c->dt);
+    for (size_t i = 0; i < sizeof energies / sizeof energies[0]; i++)
+        add_number(f, exact_value(energies[i], scales->energy));
+    for (int a = 0; a < 2; a++)
+        add_number(f, exact_value(&m->momentum[a], scales->momentum));
+    add_number(f, exact_value(&m->angular, scales->momentum));
+    file_printf(f, ",%" PRIu64 ",%" PRIu64 ",%" PRIu64, m->elements, m->links, m->contacts);
+    add_number(f, m->t_max);
+    add_number(f, m->p_min);
+    add_number(f, m->p_max);
+    for (size_t p = 0; p < c->n_probes; p++)
+        write_probe(f, scales, &m->probe[p]);
+    file_puts(f, "\n");
+    return file_flush(f, err);
+}
+
+/* --- profile-NAME.csv --- */
+
+void history_put_profile_heading(struct file_out *f, const struct profile_config *c)
+{
+    static const char *const columns[][2] = {
+        {"elements", ""},      {"density", "g/cm3"},  {"vx", "cm/us"},       {"vy", "cm/us"},
+        {"stress_xx", "Mbar"}, {"stress_yy", "Mbar"}, {"stress_xy", "Mbar"}, {"temperature", "K"}};
+    file_printf(f, "step,time [us],%s [cm]", c->axis == AXIS_X ? "x" : "y");
+    for (size_t i = 0; i < sizeof columns / sizeof columns[0]; i++) {
+        file_puts(f, ",");
+        write_heading(f, columns[i][0], columns[i][1]);
+    }
+    file_puts(f, "\n");
+}
+
+enum dm2_status history_put_profile(struct file_out *f, const struct config *c,
+                                    const struct measure_scales *scales, size_t which, int64_t step,
+                                    const struct profile_bin *bins, struct dm2_error *err)
+{
+    const struct profile_config *profile = &c->profiles[which];
+    for (size_t k = 0; k < (size_t)profile->bins; k++) {
+        struct profile_means m = profile_means(&bins[k], profile, c, scales);
+        file_printf(f, "%" PRId64, step);
+        add_number(f, (double)step * c->dt);
+        add_number(f, profile_centre(profile, k));
+        file_printf(f, ",%" PRIu64, bins[k].elements);
+        const double means[] = {m.density,   m.velocity[0], m.velocity[1], m.stress[0],
+                                m.stress[1], m.stress[2],   m.temperature};
+        for (size_t i = 0; i < sizeof means / sizeof means[0]; i++)
+            add_number(f, means[i]);
+        file_puts(f, "\n");
+    }
+    return file_flush(f, err);
+}
+
+/* --- fragments.csv --- */
+
+void history_put_fragments_heading(struct file_out *f)
+{
+    file_puts(f, "step,time [us],fragments,single,largest\n");
+}
+
+enum dm2_status history_put_fragments(struct file_out *f, const struct config *c, int64_t step,
+                                      const struct fragment_counts *counts, struct dm2_error *err)
+{
+    file_printf(f, "%" PRId64, step);
+    add_number(f, (double)step * c->dt);
+    file_printf(f, ",%zu,%zu,%zu\n", counts->fragments, counts->single, counts->largest);
+    return file_flush(f, err);
+}

@@ -1,0 +1,191 @@
+/* The list `known_files`, and the names that is_snapshot_file and is_profile_file accept, are all that a run
+ * leaves behind. */
+#include "dm2/output/run_directory.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "dm2/base/file.h"
+#include "dm2/base/text.h"
+
+const char run_directory_snapshots[] = "snapshots";
+const char run_directory_series[] = "series.pvd";
+
+static const char *const known_files[] = {
+    "history.csv", "fragments.csv",  "final.dm2",           "run.log",
+    "timing.csv",  "checkpoint.dm2", "checkpoint.prev.dm2", "checkpoint.next.dm2"};
+
+enum dm2_status run_directory_no_memory(struct dm2_error *err)
+{
+    return dm2_fail(err, DM2_MEMORY, "no memory for the run directory's names");
+}
+
+char *run_directory_default(const char *deck_path)
+{
+    static const char suffix[] = ".run";
+    const char *slash = strrchr(deck_path, '/');
+    const char *base = slash == NULL ? deck_path : slash + 1;
+    const char *dot = strrchr(base, '.');
+    size_t length = dot == NULL || dot == base ? strlen(base) : (size_t)(dot - base);
+    char *name = malloc(length + sizeof suffix);
+    if (name != NULL) {
+        memcpy(name, base, length);
+        memcpy(name + length, suffix, sizeof suffix);
+    }
+    return name;
+}
+
+/* --- the files of an earlier run --- */
+
+static bool has_suffix(const char *name, size_t length, const char *suffix)
+{
+    size_t n = strlen(suffix);
+    return length > n && strcmp(name + length - n, suffix) == 0;
+}
+
+/* Whether a run writes a file of this name, or its temporary one, into `snapshots/`. */
+static bool is_snapshot_file(const char *name)
+{
+    char base[256];
+    size_t length = strlen(name);
+    if (length >= sizeof base)
+        return false;
+    memcpy(base, name, length + 1);
+    if (has_suffix(base, length, ".part"))
+        base[length -= strlen(".part")] = '\0';
+    if (strcmp(base, run_directory_series) == 0)
+        return true;
+    if (strncmp(base, "state-", 6) != 0 ||
+        !(has_suffix(base, length, ".vtp") || has_suffix(base, length, ".xyz")))
+        return false;
+    size_t digits = strspn(base + 6, "0123456789");
+    return digits > 0 && 6 + digits + 4 == length;
+}
+
+/* The same for the table of a profile. */
+static bool is_profile_file(const char *name)
+{
+    static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_";
+    if (strncmp(name, "profile-", 8) != 0)
+        return false;
+    size_t n = strspn(name + 8, letters);
+    return n > 0 && (strcmp(name + 8 + n, ".csv") == 0 || strcmp(name + 8 + n, ".csv.part") == 0);
+}
+
+static enum dm2_status remove_file(const char *directory, const char *name, const char *suffix,
+                                   struct dm2_error *err)
+{
+    char *path = text_join(directory, "/", name), *full = path == NULL ? NULL : text_join(path, suffix, "");
+    enum dm2_status status = DM2_OK;
+    if (full == NULL)
+        status = run_directory_no_memory(err);
+    else if (unlink(full) != 0 && errno != ENOENT)
+        status =
+            dm2_fail(err, DM2_IO, "%s: cannot remove the file of an earlier run: %s", full, strerror(errno));
+    free(path);
+    free(full);
+    return status;
+}
+
+/* Removes the files of a directory whose names are ours. */
+static enum dm2_status remove_files(const char *path, bool (*ours)(const char *name), struct dm2_error *err)
+{
+    DIR *dir = opendir(path);
+    enum dm2_status status = DM2_OK;
+    if (dir == NULL && errno != ENOENT)
+        status = dm2_fail(err, DM2_IO, "%s: cannot read the directory: %s", path, strerror(errno));
+    const struct dirent *entry;
+    while (dir != NULL && status == DM2_OK && (entry = readdir(dir)) != NULL)
+        if (ours(entry->d_name))
+            status = remove_file(path, entry->d_name, "", err);
+    if (dir != NULL)
+        closedir(dir);
+    return status;
+}
+
+static enum dm2_status remove_snapshots(const char *directory, struct dm2_error *err)
+{
+    char *path = text_join(directory, "/", run_directory_snapshots);
+    if (path == NULL)
+        return run_directory_no_memory(err);
+    enum dm2_status status = remove_files(path, is_snapshot_file, err);
+    (void)rmdir(path); /* stays where it holds what is not ours */
+    free(path);
+    return status;
+}
+
+static enum dm2_status remove_earlier_run(const char *directory, struct dm2_error *err)
+{
+    enum dm2_status status = DM2_OK;
+    for (size_t i = 0; status == DM2_OK && i < sizeof known_files / sizeof known_files[0]; i++) {
+        status = remove_file(directory, known_files[i], "", err);
+        if (status == DM2_OK)
+            status = remove_file(directory, known_files[i], ".part", err);
+    }
+    if (status == DM2_OK)
+        status = remove_files(directory, is_profile_file, err);
+    return status == DM2_OK ? remove_snapshots(directory, err) : status;
+}
+
+/* --- preparing --- */
+
+/* Makes the directory and its parents. *made: the last of them was not there. */
+static enum dm2_status make_directories(const char *directory, bool *made, struct dm2_error *err)
+{
+    char *path = text_join(directory, "", "");
+    if (path == NULL)
+        return run_directory_no_memory(err);
+    *made = false;
+    enum dm2_status status = DM2_OK;
+    for (char *at = path; status == DM2_OK && *at != '\0';) {
+        at += strspn(at, "/");
+        at += strcspn(at, "/");
+        char after = *at;
+        *at = '\0';
+        status = file_make_directory(path, made, err);
+        *at = after;
+        if (after == '/' && at[strspn(at, "/")] == '\0')
+            break; /* slashes at the end */
+    }
+    free(path);
+    return status;
+}
+
+static enum dm2_status is_empty(const char *directory, bool *empty, struct dm2_error *err)
+{
+    DIR *dir = opendir(directory);
+    if (dir == NULL)
+        return dm2_fail(err, DM2_IO, "%s: cannot use it as the run directory: %s", directory,
+                        strerror(errno));
+    const struct dirent *entry;
+    *empty = true;
+    errno = 0;
+    while ((entry = readdir(dir)) != NULL)
+        if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0)
+            *empty = false;
+    int error = errno;
+    closedir(dir);
+    if (error != 0)
+        return dm2_fail(err, DM2_IO, "%s: cannot read the directory: %s", directory, strerror(error));
+    return DM2_OK;
+}
+
+enum dm2_status run_directory_prepare(const char *path, bool overwrite, bool *made, struct dm2_error *err)
+{
+    bool empty = true;
+    enum dm2_status status = make_directories(path, made, err);
+    if (status == DM2_OK)
+        status = is_empty(path, &empty, err);
+    if (status != DM2_OK || empty)
+        return status;
+    if (!overwrite)
+        return dm2_fail(err, DM2_IO,
+                        "%s: the run directory is not empty; name another one with -o DIR, or give "
+                        "--overwrite to replace "
+                        "the results in it",
+                        path);
+    return remove_earlier_run(path, err);
+}
