@@ -16,83 +16,10 @@
 #include "dm2/base/number.h"
 #include "axis.h"
 #include "colour.h"
+#include "quantity.h"
 #include "svg.h"
 
-enum scheme { SCHEME_CATEGORY, SCHEME_SEQUENTIAL, SCHEME_DIVERGING };
-
-/* What discs can be coloured by. */
-struct quantity {
-    const char *word, *label, *array;
-    enum scheme scheme;
-    double (*value)(const double *tuple);
-};
-
-static double first(const double *tuple)
-{
-    return tuple[0];
-}
-
-static double second(const double *tuple)
-{
-    return tuple[1];
-}
-
-static double third(const double *tuple)
-{
-    return tuple[2];
-}
-
-static double speed(const double *tuple)
-{
-    return sqrt(tuple[0] * tuple[0] + tuple[1] * tuple[1]);
-}
-
-static double mean_stress(const double *tuple)
-{
-    return 0.5 * (tuple[0] + tuple[1]);
-}
-
-/* The largest shear strain in the plane, and the change of area. */
-static double shear_strain(const double *tuple)
-{
-    double half = 0.5 * (tuple[0] - tuple[1]);
-    return sqrt(half * half + tuple[2] * tuple[2]);
-}
-
-static double area_strain(const double *tuple)
-{
-    return tuple[0] + tuple[1];
-}
-
-static const struct quantity quantities[] = {
-    {"material", "material", "kind", SCHEME_CATEGORY, first},
-    {"velocity", "speed [cm/\u00b5s]", "velocity", SCHEME_SEQUENTIAL, speed},
-    {"vx", "velocity x [cm/\u00b5s]", "velocity", SCHEME_DIVERGING, first},
-    {"vy", "velocity y [cm/\u00b5s]", "velocity", SCHEME_DIVERGING, second},
-    {"stress", "mean stress, tension positive [Mbar]", "stress", SCHEME_DIVERGING, mean_stress},
-    {"stress-xx", "stress xx [Mbar]", "stress", SCHEME_DIVERGING, first},
-    {"stress-yy", "stress yy [Mbar]", "stress", SCHEME_DIVERGING, second},
-    {"stress-xy", "stress xy [Mbar]", "stress", SCHEME_DIVERGING, third},
-    {"pressure", "pressure [Mbar]", "pressure", SCHEME_DIVERGING, first},
-    {"temperature", "temperature [K]", "temperature", SCHEME_SEQUENTIAL, first},
-    {"spin", "angular velocity [1/\u00b5s]", "spin", SCHEME_DIVERGING, first},
-    {"links", "links", "links", SCHEME_SEQUENTIAL, first},
-    {"contacts", "contacts", "contacts", SCHEME_SEQUENTIAL, first},
-    {"bonds", "links at the start", "bonds", SCHEME_SEQUENTIAL, first},
-    {"damage", "damage: lost share of links", "damage", SCHEME_SEQUENTIAL, first},
-    {"strain", "largest shear strain", "strain", SCHEME_SEQUENTIAL, shear_strain},
-    {"strain-area", "area strain", "strain", SCHEME_DIVERGING, area_strain},
-    {"strain-xx", "strain xx", "strain", SCHEME_DIVERGING, first},
-    {"strain-yy", "strain yy", "strain", SCHEME_DIVERGING, second},
-    {"strain-xy", "strain xy", "strain", SCHEME_DIVERGING, third},
-    {"fragment", "fragment", "fragment", SCHEME_CATEGORY, first},
-    {"phase", "phase", "phase", SCHEME_CATEGORY, first},
-    {"composition", "mass fraction of the product", "composition", SCHEME_SEQUENTIAL, third},
-    {"grain", "grain", "grain", SCHEME_CATEGORY, first},
-    {"body", "body", "body", SCHEME_CATEGORY, first},
-};
-
-enum { N_QUANTITIES = sizeof quantities / sizeof quantities[0], STEPS = 96, LEGEND_MAX = 24 };
+enum { STEPS = 96 };
 
 static const double margin = 16, font_size = 13, title_size = 17;
 static const char grey[] = "#555";
@@ -106,11 +33,8 @@ struct disc {
 struct picture {
     const struct vtp *vtp;
     const struct picture_options *options;
-    struct quantity quantity;
-    char name[2 * VTP_NAME_MAX]; /* of a quantity that is not in the table */
-    const double *values, *radius;
-    size_t components;
-    double low, high;                   /* range of the colours */
+    struct shown_quantity quantity;
+    const double *radius;               /* cm, per point */
     double view[4];                     /* what is shown: x0 y0 x1 y1, cm */
     double left, top, frame_w, frame_h; /* where, px */
     double width, height, scale;        /* of the picture, px; px per cm */
@@ -121,122 +45,20 @@ struct picture {
 
 const char *picture_colours(void)
 {
-    return "material velocity vx vy stress stress-xx stress-yy stress-xy pressure temperature spin links "
-           "contacts bonds damage strain strain-area strain-xx strain-yy strain-xy fragment phase "
-           "composition grain "
-           "body, or ARRAY or ARRAY:COMPONENT of the file";
+    return quantity_words();
 }
 
 /* --- what is shown --- */
 
-/* The names of the arrays of points, blank-separated; cut where there are many. */
-static void list_arrays(const struct vtp *vtp, char *out, size_t size)
+static enum dm2_status find_radius(struct picture *p, struct dm2_error *err)
 {
-    size_t used = 0;
-    out[0] = '\0';
-    for (size_t k = 0; k < vtp->n_arrays && used < size; k++)
-        if (strcmp(vtp->arrays[k].section, "PointData") == 0)
-            used +=
-                (size_t)snprintf(out + used, size - used, "%s%s", used == 0 ? "" : " ", vtp->arrays[k].name);
-}
-
-/* Any other array of the file by its name, with the component behind a colon, from 1. */
-static const struct vtp_array *find_other(struct picture *p, const char *word, size_t *component)
-{
-    const char *colon = strrchr(word, ':');
-    size_t length = colon == NULL ? strlen(word) : (size_t)(colon - word);
-    int64_t number = 1;
-    if (length >= VTP_NAME_MAX ||
-        (colon != NULL && (!number_parse_integer(colon + 1, strlen(colon + 1), &number) || number < 1)))
-        return NULL;
-    (void)snprintf(p->name, sizeof p->name, "%.*s", (int)length, word);
-    const struct vtp_array *array = vtp_find(p->vtp, "PointData", p->name);
-    if (array == NULL || (uint64_t)number > array->components)
-        return NULL;
-    if (array->components > 1)
-        (void)snprintf(p->name, sizeof p->name, "%.*s, component %d", (int)length, word, (int)number);
-    *component = (size_t)number - 1;
-    return array;
-}
-
-static bool any_negative(const struct picture *p)
-{
-    for (size_t i = 0; i < p->vtp->n_points; i++)
-        if (p->values[i * p->components] < 0)
-            return true;
-    return false;
-}
-
-static enum dm2_status choose_quantity(struct picture *p, struct dm2_error *err)
-{
-    const char *word = p->options->colour == NULL ? "material" : p->options->colour;
-    const struct vtp_array *radius = vtp_find(p->vtp, "PointData", "radius"), *values;
-    size_t component = 0;
+    const struct vtp_array *radius = vtp_find(p->vtp, "PointData", "radius");
     char names[400];
-    bool known = false;
-    for (int i = 0; i < N_QUANTITIES && !known; i++) {
-        known = strcmp(word, quantities[i].word) == 0;
-        p->quantity = quantities[i];
-    }
-    values = known ? vtp_find(p->vtp, "PointData", p->quantity.array) : find_other(p, word, &component);
-    list_arrays(p->vtp, names, sizeof names);
-    if (!known && values == NULL)
-        return dm2_fail(err, DM2_USAGE,
-                        "'%.60s' is nothing to colour by; choose one of: %s. The file has the arrays: %.200s",
-                        word, picture_colours(), names);
-    size_t least = p->quantity.value == first || !known ? 1
-                   : p->quantity.value == second        ? 2
-                                                        : 3; /* that it reads */
-    if (values == NULL || values->components < least)
-        return dm2_fail(err, DM2_USAGE,
-                        "'%s' needs an array '%s' that the snapshot does not have; it has: %s", word,
-                        p->quantity.array, names);
+    quantity_list_arrays(p->vtp, names, sizeof names);
     if (radius == NULL || radius->components != 1)
         return dm2_fail(err, DM2_USAGE, "the snapshot has no array 'radius' of its points; it has: %s",
                         names);
-    p->values = values->values + component;
-    p->components = values->components;
     p->radius = radius->values;
-    if (!known)
-        p->quantity = (struct quantity){word, p->name, values->name,
-                                        any_negative(p) ? SCHEME_DIVERGING : SCHEME_SEQUENTIAL, first};
-    return DM2_OK;
-}
-
-static double value_of(const struct picture *p, size_t i)
-{
-    return p->quantity.value(p->values + i * p->components);
-}
-
-static enum dm2_status choose_range(struct picture *p, struct dm2_error *err)
-{
-    double low = INFINITY, high = -INFINITY;
-    for (size_t i = 0; i < p->vtp->n_points; i++) {
-        double value = value_of(p, i);
-        if (isfinite(value)) {
-            low = fmin(low, value);
-            high = fmax(high, value);
-        }
-    }
-    if (low > high)
-        low = high = 0;
-    if (p->quantity.scheme == SCHEME_DIVERGING) {
-        high = fmax(fabs(low), fabs(high));
-        low = -high;
-    }
-    if (!isnan(p->options->range[0])) {
-        low = p->options->range[0];
-        high = p->options->range[1];
-        if (!(low < high) || !isfinite(low) || !isfinite(high))
-            return dm2_fail(err, DM2_USAGE, "the range of the colours needs a minimum below its maximum");
-    }
-    if (high - low <= 1e-9 * fmax(fabs(low), fabs(high))) {
-        double half = low == 0 ? 1 : 0.01 * fabs(low);
-        low -= half;
-        high += half;
-    }
-    p->low = low;
-    p->high = high;
     return DM2_OK;
 }
 
@@ -270,53 +92,11 @@ static void choose_view(struct picture *p)
     }
 }
 
-/* --- categories --- */
-
-static void category_name(const struct picture *p, size_t category, char *out, size_t size)
-{
-    const struct vtp_names *names = strcmp(p->quantity.word, "material") == 0 ? &p->vtp->materials
-                                    : strcmp(p->quantity.word, "body") == 0   ? &p->vtp->bodies
-                                                                              : NULL;
-    if (names != NULL && category < names->n)
-        (void)snprintf(out, size, "%s", names->name[category]);
-    else
-        (void)snprintf(out, size, "%s %zu", p->quantity.word, category);
-}
-
-/* Grains are many: neighbouring numbers are spread over the colours. */
-static uint32_t category_colour(const struct picture *p, double value)
-{
-    uint64_t category = value >= 0 && value < 0x1p53 ? (uint64_t)value : 0;
-    if (strcmp(p->quantity.word, "grain") == 0)
-        category = category * 0x9E3779B97F4A7C15u >> 40;
-    return (uint32_t)(category % COLOUR_CATEGORIES);
-}
-
-/* The categories that occur, ascending, at most LEGEND_MAX + 1 of them (then there are more). */
-static size_t categories_present(const struct picture *p, size_t out[LEGEND_MAX + 1])
-{
-    size_t n = 0;
-    for (size_t i = 0; i < p->vtp->n_points; i++) {
-        double value = value_of(p, i);
-        size_t category = value >= 0 && value < 0x1p53 ? (size_t)value : 0, at = 0;
-        while (at < n && out[at] < category)
-            at++;
-        if ((at < n && out[at] == category) || at > LEGEND_MAX)
-            continue;
-        size_t kept = n > LEGEND_MAX ? LEGEND_MAX : n;
-        for (size_t k = kept; k > at; k--)
-            out[k] = out[k - 1];
-        out[at] = category;
-        n = kept + 1;
-    }
-    return n;
-}
-
 /* --- discs --- */
 
 static uint32_t step_of(const struct picture *p, double value)
 {
-    double t = (value - p->low) / (p->high - p->low);
+    double t = (value - p->quantity.low) / (p->quantity.high - p->quantity.low);
     return t > 0 ? t < 1 ? (uint32_t)(t * STEPS) : STEPS - 1 : 0; /* not a number: 0 */
 }
 
@@ -348,10 +128,12 @@ static enum dm2_status make_discs(struct picture *p, struct dm2_error *err)
         return dm2_fail(err, DM2_MEMORY, "no memory for a picture of %zu elements", n);
     for (size_t i = 0; i < n; i++) {
         struct disc *d = &p->discs[p->n_discs];
-        double value = value_of(p, i), radius = rint(10 * p->radius[i] * p->scale);
+        double value = quantity_value(&p->quantity, i), radius = rint(10 * p->radius[i] * p->scale);
         if (!to_frame(p, p->vtp->position + 3 * i, &d->x, &d->y))
             continue;
-        d->colour = p->quantity.scheme == SCHEME_CATEGORY ? category_colour(p, value) : step_of(p, value);
+        d->colour = p->quantity.entry.scheme == SCHEME_CATEGORY
+                        ? quantity_category_colour(&p->quantity, value)
+                        : step_of(p, value);
         d->radius = radius >= 4 ? (uint32_t)fmin(radius, 1e6) : 4; /* still visible */
         d->index = (uint32_t)i;
         p->n_discs++;
@@ -362,7 +144,7 @@ static enum dm2_status make_discs(struct picture *p, struct dm2_error *err)
 
 static void step_colour(const struct picture *p, double t, char out[COLOUR_TEXT])
 {
-    if (p->quantity.scheme == SCHEME_DIVERGING)
+    if (p->quantity.entry.scheme == SCHEME_DIVERGING)
         colour_diverging(t, out);
     else
         colour_sequential(t, out);
@@ -384,7 +166,7 @@ static void draw_discs(struct svg *svg, const struct picture *p)
         const struct disc *head = &p->discs[i];
         int32_t x = 0, y = 0;
         char colour[COLOUR_TEXT];
-        if (p->quantity.scheme == SCHEME_CATEGORY)
+        if (p->quantity.entry.scheme == SCHEME_CATEGORY)
             colour_category(head->colour, colour);
         else
             step_colour(p, (head->colour + 0.5) / STEPS, colour);
@@ -432,14 +214,16 @@ static void draw_links(struct svg *svg, const struct picture *p)
 
 static bool has_colour_bar(const struct picture *p)
 {
-    return p->quantity.scheme != SCHEME_CATEGORY;
+    return p->quantity.entry.scheme != SCHEME_CATEGORY;
 }
 
 static void colour_axis(const struct picture *p, struct axis *a)
 {
-    bool whole = p->quantity.scheme == SCHEME_SEQUENTIAL && p->high - p->low < 8 &&
-                 (strcmp(p->quantity.word, "links") == 0 || strcmp(p->quantity.word, "contacts") == 0);
-    axis_make(a, p->low, p->high, false, false, whole ? (int)fmax(2, p->high - p->low) : 8);
+    bool whole =
+        p->quantity.entry.scheme == SCHEME_SEQUENTIAL && p->quantity.high - p->quantity.low < 8 &&
+        (strcmp(p->quantity.entry.word, "links") == 0 || strcmp(p->quantity.entry.word, "contacts") == 0);
+    axis_make(a, p->quantity.low, p->quantity.high, false, false,
+              whole ? (int)fmax(2, p->quantity.high - p->quantity.low) : 8);
 }
 
 static double side_width(const struct picture *p)
@@ -452,10 +236,10 @@ static double side_width(const struct picture *p)
             widest = fmax(widest, svg_text_width(a.label[i], font_size));
         return 16 + 14 + 8 + widest + 24;
     }
-    size_t present[LEGEND_MAX + 1], n = categories_present(p, present);
-    for (size_t i = 0; n <= LEGEND_MAX && i < n; i++) {
+    size_t present[QUANTITY_CATEGORIES_MAX + 1], n = quantity_categories(&p->quantity, present);
+    for (size_t i = 0; n <= QUANTITY_CATEGORIES_MAX && i < n; i++) {
         char name[80];
-        category_name(p, present[i], name, sizeof name);
+        quantity_category_name(&p->quantity, present[i], name, sizeof name);
         widest = fmax(widest, svg_text_width(name, font_size));
     }
     return widest > 0 ? 16 + 20 + widest : 0;
@@ -566,20 +350,21 @@ static void draw_colour_bar(struct svg *svg, const struct picture *p)
     }
     char label[96], factor[AXIS_LABEL_MAX];
     axis_factor(&a, factor);
-    (void)snprintf(label, sizeof label, "%s%s%s", p->quantity.label, factor[0] == '\0' ? "" : "  ", factor);
+    (void)snprintf(label, sizeof label, "%s%s%s", p->quantity.entry.label, factor[0] == '\0' ? "" : "  ",
+                   factor);
     const struct svg_font beside = {.size = font_size, .anchor = SVG_MIDDLE, .rotated = 1};
     svg_text(svg, x + w + 8 + widest + 17, top + 0.5 * height, &beside, label);
 }
 
 static void draw_legend(struct svg *svg, const struct picture *p)
 {
-    size_t present[LEGEND_MAX + 1], n = categories_present(p, present);
+    size_t present[QUANTITY_CATEGORIES_MAX + 1], n = quantity_categories(&p->quantity, present);
     const struct svg_font font = {.size = font_size};
-    for (size_t i = 0; n <= LEGEND_MAX && i < n; i++) {
+    for (size_t i = 0; n <= QUANTITY_CATEGORIES_MAX && i < n; i++) {
         char name[80], colour[COLOUR_TEXT];
         double x = p->left + p->frame_w + 22, y = p->top + 10 + 21 * (double)i;
-        category_name(p, present[i], name, sizeof name);
-        colour_category(category_colour(p, (double)present[i]), colour);
+        quantity_category_name(&p->quantity, present[i], name, sizeof name);
+        colour_category(quantity_category_colour(&p->quantity, (double)present[i]), colour);
         svg_number(svg, "<circle r=\"6\" cx=\"", x);
         svg_number(svg, "\" cy=\"", y);
         svg_puts(svg, "\" fill=\"");
@@ -612,9 +397,12 @@ enum dm2_status picture_write(const char *path, const struct vtp *vtp, const str
                               struct dm2_error *err)
 {
     struct picture p = {.vtp = vtp, .options = options};
-    enum dm2_status status = choose_quantity(&p, err);
+    const char *word = options->colour == NULL ? "material" : options->colour;
+    enum dm2_status status = quantity_choose(&p.quantity, vtp, word, err);
     if (status == DM2_OK)
-        status = choose_range(&p, err);
+        status = find_radius(&p, err);
+    if (status == DM2_OK)
+        status = quantity_choose_range(&p.quantity, options->range, err);
     if (status == DM2_OK) {
         choose_view(&p);
         status = lay_out(&p, err);

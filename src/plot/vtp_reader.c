@@ -17,32 +17,32 @@
 #include "dm2/base/number.h"
 #include "xml.h"
 
-struct number_type {
+struct vtp_type {
     const char *name;
     size_t bytes;
     enum { KIND_UNSIGNED, KIND_SIGNED, KIND_FLOAT } kind;
 };
 
-static const struct number_type number_types[] = {
+static const struct vtp_type number_types[] = {
     {"UInt8", 1, KIND_UNSIGNED},  {"UInt16", 2, KIND_UNSIGNED}, {"UInt32", 4, KIND_UNSIGNED},
     {"UInt64", 8, KIND_UNSIGNED}, {"Int8", 1, KIND_SIGNED},     {"Int16", 2, KIND_SIGNED},
     {"Int32", 4, KIND_SIGNED},    {"Int64", 8, KIND_SIGNED},    {"Float32", 4, KIND_FLOAT},
     {"Float64", 8, KIND_FLOAT},
 };
 
-struct reader {
+struct vtp_reader {
     struct xml xml;
     struct vtp *vtp;
     size_t cap_arrays;
     char section[16];
 };
 
-static enum dm2_status fault(const struct reader *r, struct dm2_error *err, const char *what)
+static enum dm2_status fault(const struct vtp_reader *r, struct dm2_error *err, const char *what)
 {
     return dm2_fail(err, DM2_PROTOCOL, "%s:%zu: %s", r->xml.path, xml_line(&r->xml), what);
 }
 
-static enum dm2_status no_memory(const struct reader *r, struct dm2_error *err)
+static enum dm2_status no_memory(const struct vtp_reader *r, struct dm2_error *err)
 {
     return dm2_fail(err, DM2_MEMORY, "%s: no memory for its arrays", r->xml.path);
 }
@@ -94,7 +94,7 @@ static uint64_t get_bits(const unsigned char *bytes, size_t n)
     return bits;
 }
 
-static double get_number(const unsigned char *bytes, const struct number_type *type)
+static double get_number(const unsigned char *bytes, const struct vtp_type *type)
 {
     uint64_t bits = get_bits(bytes, type->bytes);
     if (type->kind == KIND_UNSIGNED)
@@ -126,7 +126,7 @@ static struct xml_span trim(struct xml_span s)
     return s;
 }
 
-static enum dm2_status read_binary(struct reader *r, struct xml_span text, const struct number_type *type,
+static enum dm2_status read_binary(struct vtp_reader *r, struct xml_span text, const struct vtp_type *type,
                                    double **values, size_t *n, struct dm2_error *err)
 {
     unsigned char *bytes = malloc(text.length / 4 * 3 + 1);
@@ -150,7 +150,7 @@ static enum dm2_status read_binary(struct reader *r, struct xml_span text, const
     return status;
 }
 
-static enum dm2_status read_ascii(struct reader *r, struct xml_span text, double **values, size_t *n,
+static enum dm2_status read_ascii(struct vtp_reader *r, struct xml_span text, double **values, size_t *n,
                                   struct dm2_error *err)
 {
     *values = mem_alloc(text.length / 2 + 1, sizeof **values); /* at least a digit and a blank each */
@@ -175,7 +175,7 @@ static enum dm2_status read_ascii(struct reader *r, struct xml_span text, double
 /* --- elements --- */
 
 /* Strings as VTK writes them: the characters as numbers, a 0 after each string. */
-static enum dm2_status take_names(struct reader *r, const double *codes, size_t n, struct vtp_names *out,
+static enum dm2_status take_names(struct vtp_reader *r, const double *codes, size_t n, struct vtp_names *out,
                                   struct dm2_error *err)
 {
     size_t count = 0, at = 0;
@@ -224,18 +224,20 @@ static void free_names(struct vtp_names *names)
     memset(names, 0, sizeof *names);
 }
 
-static enum dm2_status keep_array(struct reader *r, const struct vtp_array *array, struct dm2_error *err)
+static enum dm2_status keep_array(struct vtp_reader *r, const struct vtp_array *array, struct dm2_error *err)
 {
-    void *arrays = r->vtp->arrays;
-    if (mem_grow(&arrays, &r->cap_arrays, r->vtp->n_arrays, r->vtp->n_arrays + 1, sizeof *array) != 0)
+    struct vtp *vtp = r->vtp;
+    struct vtp_array *grown =
+        mem_grown(vtp->arrays, &r->cap_arrays, vtp->n_arrays, vtp->n_arrays + 1, sizeof *grown);
+    if (grown == NULL)
         return no_memory(r, err);
-    r->vtp->arrays = arrays;
-    r->vtp->arrays[r->vtp->n_arrays++] = *array;
+    vtp->arrays = grown;
+    vtp->arrays[vtp->n_arrays++] = *array;
     return DM2_OK;
 }
 
 /* The text of the element that just began, up to its end. */
-static enum dm2_status take_text(struct reader *r, struct xml_span *text, struct dm2_error *err)
+static enum dm2_status take_text(struct vtp_reader *r, struct xml_span *text, struct dm2_error *err)
 {
     *text = (struct xml_span){"", 0};
     enum xml_event event = xml_next(&r->xml, err);
@@ -248,7 +250,7 @@ static enum dm2_status take_text(struct reader *r, struct xml_span *text, struct
     return event == XML_END ? DM2_OK : fault(r, err, "an array with something else than its values inside");
 }
 
-static enum dm2_status take_strings(struct reader *r, const char *name, struct xml_span format,
+static enum dm2_status take_strings(struct vtp_reader *r, const char *name, struct xml_span format,
                                     struct dm2_error *err)
 {
     struct xml_span text;
@@ -271,7 +273,7 @@ static enum dm2_status take_strings(struct reader *r, const char *name, struct x
     return status;
 }
 
-static enum dm2_status take_array(struct reader *r, struct dm2_error *err)
+static enum dm2_status take_array(struct vtp_reader *r, struct dm2_error *err)
 {
     struct vtp_array array = {.components = 1};
     struct xml_span name = xml_attribute(&r->xml, "Name"), type = xml_attribute(&r->xml, "type");
@@ -282,7 +284,7 @@ static enum dm2_status take_array(struct reader *r, struct dm2_error *err)
     memcpy(array.section, r->section, sizeof array.section);
     if (xml_is(r->xml.name, "Array"))
         return take_strings(r, array.name, format, err);
-    const struct number_type *number = NULL;
+    const struct vtp_type *number = NULL;
     for (size_t i = 0; i < sizeof number_types / sizeof number_types[0]; i++)
         if (xml_is(type, number_types[i].name))
             number = &number_types[i];
@@ -308,7 +310,7 @@ static enum dm2_status take_array(struct reader *r, struct dm2_error *err)
     return status;
 }
 
-static enum dm2_status take_start(struct reader *r, struct dm2_error *err)
+static enum dm2_status take_start(struct vtp_reader *r, struct dm2_error *err)
 {
     struct xml *x = &r->xml;
     if (x->depth == 1) {
@@ -335,7 +337,7 @@ static enum dm2_status take_start(struct reader *r, struct dm2_error *err)
 
 /* --- the whole --- */
 
-static enum dm2_status check_lines(struct reader *r, struct dm2_error *err)
+static enum dm2_status check_lines(struct vtp_reader *r, struct dm2_error *err)
 {
     struct vtp *vtp = r->vtp;
     const struct vtp_array *ends = vtp_find(vtp, "Lines", "connectivity"),
@@ -357,7 +359,7 @@ static enum dm2_status check_lines(struct reader *r, struct dm2_error *err)
     return DM2_OK;
 }
 
-static enum dm2_status check_shapes(struct reader *r, struct dm2_error *err)
+static enum dm2_status check_shapes(struct vtp_reader *r, struct dm2_error *err)
 {
     struct vtp *vtp = r->vtp;
     for (size_t i = 0; i < vtp->n_arrays; i++) {
@@ -378,7 +380,7 @@ static enum dm2_status check_shapes(struct reader *r, struct dm2_error *err)
     return check_lines(r, err);
 }
 
-static enum dm2_status parse(struct reader *r, struct dm2_error *err)
+static enum dm2_status parse(struct vtp_reader *r, struct dm2_error *err)
 {
     for (;;) {
         enum dm2_status status = DM2_OK;
@@ -407,7 +409,7 @@ enum dm2_status vtp_read(const char *path, struct vtp *out, struct dm2_error *er
     enum dm2_status status = file_read(path, SIZE_MAX / 8, &bytes, &n, err);
     if (status != DM2_OK)
         return status;
-    struct reader r = {.vtp = out};
+    struct vtp_reader r = {.vtp = out};
     xml_open(&r.xml, path, (const char *)bytes, n);
     status = parse(&r, err);
     free(bytes);
