@@ -30,10 +30,11 @@ enum { RUNS_MOST = SWEEP_SIZES * 100 };
 struct calibrate {
     struct sweep sweep;
     struct server_choice servers;
-    struct option_list operands;
     const char *file;
     int64_t turns;
     bool help;
+    double alone[RUNS_MOST];  /* k of every run of dm2-seq */
+    double shared[RUNS_MOST]; /* k of every server, of one size */
 };
 
 /* k of one server, or of dm2-seq, eq. (11). */
@@ -67,10 +68,9 @@ static void note_run(struct calibration *out, const struct run_report *r, struct
 
 /* The runs of one size: dm2-seq, then a server of this size for each processor; alone[] gets the k of the
  * former. */
-static enum dm2_status measure_size(const struct calibrate *c, double wanted, int processors, double *alone,
+static enum dm2_status measure_size(struct calibrate *c, double wanted, int processors, double *alone,
                                     struct calibration *out, struct perf_size *size, struct dm2_error *err)
 {
-    static double shared[RUNS_MOST];
     int runs = (int)c->sweep.runs;
     size_t n_shared = 0;
     enum dm2_status status = DM2_OK;
@@ -88,7 +88,7 @@ static enum dm2_status measure_size(const struct calibrate *c, double wanted, in
         for (int k = 0; k < processors && status == DM2_OK; k++) {
             double of_server = k_of(&r, k);
             if (n_shared < RUNS_MOST && of_server > 0)
-                shared[n_shared++] = of_server;
+                c->shared[n_shared++] = of_server;
         }
         if (status == DM2_OK)
             free(r.servers);
@@ -96,7 +96,7 @@ static enum dm2_status measure_size(const struct calibrate *c, double wanted, in
     if (status != DM2_OK)
         return status;
     size->alone = median_of(alone, (size_t)runs);
-    size->shared = n_shared > 0 ? median_of(shared, n_shared) : size->alone;
+    size->shared = n_shared > 0 ? median_of(c->shared, n_shared) : size->alone;
     (void)printf("%8.0f elements: k = %.4g s alone, %.4g s each of %d servers\n", size->n, size->alone,
                  size->shared, processors);
     (void)fflush(stdout);
@@ -106,7 +106,6 @@ static enum dm2_status measure_size(const struct calibrate *c, double wanted, in
 /* k at every size, their mean and spread over the runs alone, L_x = L_y of the largest, and g. */
 static enum dm2_status measure_k(struct calibrate *c, struct calibration *out, struct dm2_error *err)
 {
-    static double k[RUNS_MOST];
     size_t count = 0;
     int processors = local_servers_cores();
     enum dm2_status status = DM2_OK;
@@ -115,13 +114,13 @@ static enum dm2_status measure_k(struct calibrate *c, struct calibration *out, s
     qsort(c->sweep.n, (size_t)c->sweep.sizes, sizeof c->sweep.n[0], compare);
     for (int i = 0; i < c->sweep.sizes && status == DM2_OK; i++) {
         struct perf_size *size = &out->perf.size[out->perf.n_size];
-        status = measure_size(c, c->sweep.n[i], processors, k + count, out, size, err);
+        status = measure_size(c, c->sweep.n[i], processors, c->alone + count, out, size, err);
         count += (size_t)c->sweep.runs;
         /* Two sizes of so few elements that the deck makes them the same are one. */
         out->perf.n_size += out->perf.n_size == 0 || size->n > size[-1].n;
     }
     if (status == DM2_OK)
-        fit_spread(k, count, &out->perf.k, &out->k_spread);
+        fit_spread(c->alone, count, &out->perf.k, &out->k_spread);
     return status;
 }
 
@@ -180,22 +179,15 @@ enum dm2_status model_calibrate_command(const char *argv0, int argc, char **argv
     };
     server_choice_start(&c.servers, table + OWN);
     sweep_start(&c.sweep, table + OWN + SERVER_CHOICE_OPTIONS);
-    enum dm2_status status = options_parse(table, ALL, argc, argv, &c.operands, err);
-    if (status == DM2_OK && c.help) {
-        (void)printf("usage: dm2-model calibrate [options]\n"
-                     "Measures this cluster: dm2-seq at several sizes, round trips to N servers.\n\n");
-        options_print(stdout, table, ALL);
-    } else {
-        if (status == DM2_OK && c.operands.n > 0)
-            status = dm2_fail(err, DM2_USAGE, "'%s' is not an option", c.operands.items[0]);
-        if (status == DM2_OK)
-            status = server_choice_finish(&c.servers, err);
-        if (status == DM2_OK)
-            status = sweep_finish(&c.sweep, SIZES, (int)(sizeof SIZES / sizeof SIZES[0]), argv0, err);
-        if (status == DM2_OK)
-            status = run(&c, err);
-    }
-    option_list_free(&c.operands);
+    enum dm2_status status =
+        server_choice_parse(&c.servers, table, ALL, argc, argv, &c.help,
+                            "usage: dm2-model calibrate [options]\n"
+                            "Measures this cluster: dm2-seq at several sizes, round trips to N servers.\n\n",
+                            err);
+    if (status == DM2_OK && !c.help)
+        status = sweep_finish(&c.sweep, SIZES, (int)(sizeof SIZES / sizeof SIZES[0]), argv0, err);
+    if (status == DM2_OK && !c.help)
+        status = run(&c, err);
     sweep_free(&c.sweep);
     server_choice_free(&c.servers);
     return status;

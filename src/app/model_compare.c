@@ -62,10 +62,10 @@ static enum dm2_status add_run(const struct compare *c, struct cases *all, const
     struct explanation e;
     double busiest = 0;
     if (one == NULL) {
-        void *block = all->items;
-        if (mem_grow(&block, &all->cap, all->n, all->n + 1, sizeof *all->items) != 0)
+        struct measured_case *grown = mem_grown(all->items, &all->cap, all->n, all->n + 1, sizeof *grown);
+        if (grown == NULL)
             return dm2_fail(err, DM2_MEMORY, "no memory for %zu cases", all->n + 1);
-        all->items = block;
+        all->items = grown;
         one = &all->items[all->n++];
         *one = (struct measured_case){.n = (double)r->elements, .servers = servers};
     }

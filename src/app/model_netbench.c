@@ -11,7 +11,6 @@
 
 struct netbench {
     struct server_choice servers;
-    struct option_list operands;
     int64_t turns;
     bool csv, help;
 };
@@ -70,20 +69,13 @@ enum dm2_status model_netbench_command(const char *argv0, int argc, char **argv,
         {"help", 'h', OPTION_FLAG, &c.help, NULL, "prints this", 0, 0},
     };
     server_choice_start(&c.servers, table + OWN);
-    enum dm2_status status = options_parse(table, ALL, argc, argv, &c.operands, err);
-    if (status == DM2_OK && c.help) {
-        (void)printf("usage: dm2-model netbench [-n N,...] [options]\n"
-                     "Times messages to N servers and back, and fits the line m_N x + b_N.\n\n");
-        options_print(stdout, table, ALL);
-    } else {
-        if (status == DM2_OK && c.operands.n > 0)
-            status = dm2_fail(err, DM2_USAGE, "'%s' is not an option", c.operands.items[0]);
-        if (status == DM2_OK)
-            status = server_choice_finish(&c.servers, err);
-        if (status == DM2_OK)
-            status = run(&c, argv0, err);
-    }
-    option_list_free(&c.operands);
+    enum dm2_status status =
+        server_choice_parse(&c.servers, table, ALL, argc, argv, &c.help,
+                            "usage: dm2-model netbench [-n N,...] [options]\n"
+                            "Times messages to N servers and back, and fits the line m_N x + b_N.\n\n",
+                            err);
+    if (status == DM2_OK && !c.help)
+        status = run(&c, argv0, err);
     server_choice_free(&c.servers);
     return status;
 }

@@ -109,13 +109,13 @@ static enum dm2_status take_whole(void *context, const char *text, size_t length
 {
     struct whole_list *list = context;
     double x;
-    void *block = list->items;
     if (!number_parse(text, length, &x) || !(x >= 1 && x <= list->most) || x != floor(x))
         return dm2_fail(err, DM2_USAGE, "--%s '%.*s': a whole number from 1 to %g is expected", list->name,
                         (int)length, text, list->most);
-    if (mem_grow(&block, &list->cap, list->n, list->n + 1, sizeof *list->items) != 0)
+    double *grown = mem_grown(list->items, &list->cap, list->n, list->n + 1, sizeof *grown);
+    if (grown == NULL)
         return dm2_fail(err, DM2_MEMORY, "no memory for the command line");
-    list->items = block;
+    list->items = grown;
     list->items[list->n++] = x;
     return DM2_OK;
 }

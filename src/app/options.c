@@ -19,10 +19,10 @@ struct parser {
 
 enum dm2_status option_list_add(struct option_list *list, const char *item, struct dm2_error *err)
 {
-    void *block = list->items;
-    if (mem_grow(&block, &list->cap, list->n, list->n + 1, sizeof *list->items) != 0)
+    const char **grown = mem_grown(list->items, &list->cap, list->n, list->n + 1, sizeof *grown);
+    if (grown == NULL)
         return dm2_fail(err, DM2_MEMORY, "no memory for the command line");
-    list->items = block;
+    list->items = grown;
     list->items[list->n++] = item;
     return DM2_OK;
 }

@@ -2,6 +2,7 @@
  * found. */
 #include "server_choice.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -76,6 +77,24 @@ enum dm2_status server_choice_finish(struct server_choice *c, struct dm2_error *
     if (status == DM2_OK && c->key_file != NULL)
         status = auth_key_read(c->key_file, &c->key, err);
     return status == DM2_OK ? read_counts(c, err) : status;
+}
+
+enum dm2_status server_choice_parse(struct server_choice *c, const struct option *table, size_t n, int argc,
+                                    char **argv, const bool *help, const char *usage, struct dm2_error *err)
+{
+    struct option_list operands = {0};
+    enum dm2_status status = options_parse(table, n, argc, argv, &operands, err);
+    if (status == DM2_OK && *help) {
+        (void)fputs(usage, stdout);
+        options_print(stdout, table, n);
+    } else {
+        if (status == DM2_OK && operands.n > 0)
+            status = dm2_fail(err, DM2_USAGE, "'%s' is not an option", operands.items[0]);
+        if (status == DM2_OK)
+            status = server_choice_finish(c, err);
+    }
+    option_list_free(&operands);
+    return status;
 }
 
 void server_choice_free(struct server_choice *c)

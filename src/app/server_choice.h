@@ -27,6 +27,13 @@ void server_choice_start(struct server_choice *c, struct option *table);
 /* After options_parse. Without numbers of servers they are 1, 2, 4, 8, as far as named servers go. DM2_USAGE.
  */
 enum dm2_status server_choice_finish(struct server_choice *c, struct dm2_error *err);
+
+/* options_parse for a command that takes no operands, then server_choice_finish. With --help (*help, which
+ * `table` sets) prints `usage` and the options instead. DM2_USAGE, DM2_MEMORY and what server_choice_finish
+ * fails with. */
+enum dm2_status server_choice_parse(struct server_choice *c, const struct option *table, size_t n, int argc,
+                                    char **argv, const bool *help, const char *usage, struct dm2_error *err);
+
 void server_choice_free(struct server_choice *c);
 
 /* The cost of messages with `servers` servers. argv0 is where local servers are looked for. */
