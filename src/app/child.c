@@ -1,7 +1,7 @@
 /* Programs of dm2 that start each other.
  *
- * A child holds the writing end of a pipe that it never writes to: its end of file says that the child is
- * gone, which can be waited for together with the request to end. */
+ * A child holds the writing end of a pipe and never writes to it. The reading end reaches its end of file
+ * when the child ends, so that poll waits for the child's end together with the request to cancel. */
 #include "child.h"
 
 #include <errno.h>
@@ -31,8 +31,8 @@ char *child_path(const char *argv0, const char *name)
     return path;
 }
 
-/* In the child: only async-signal-safe calls until exec. */
-static void become(char *const argv[])
+/* Runs in the child: only async-signal-safe calls until exec. */
+static void become_program(char *const argv[])
 {
     int null = open("/dev/null", O_RDWR);
     (void)setpgid(0, 0);
@@ -41,7 +41,8 @@ static void become(char *const argv[])
     _exit(127);
 }
 
-/* True when it was asked to end before it did. */
+/* Waits for the end of the child; a readable `cancel` sends SIGTERM to the child. Returns whether SIGTERM
+ * was sent. */
 static bool wait_for_end(pid_t pid, int alive, int cancel)
 {
     bool asked = false;
@@ -61,10 +62,10 @@ static bool wait_for_end(pid_t pid, int alive, int cancel)
 
 struct child {
     pid_t pid; /* -1: not started */
-    int alive; /* ends with it */
+    int alive; /* reading end of the pipe that ends with the child */
 };
 
-static enum dm2_status start(char *const argv[], struct child *out, struct dm2_error *err)
+static enum dm2_status start_child(char *const argv[], struct child *out, struct dm2_error *err)
 {
     int fd[2];
     *out = (struct child){.pid = -1, .alive = -1};
@@ -74,14 +75,15 @@ static enum dm2_status start(char *const argv[], struct child *out, struct dm2_e
     (void)fflush(NULL);
     out->pid = fork();
     if (out->pid == 0)
-        become(argv);
+        become_program(argv);
     (void)close(fd[1]);
     out->alive = fd[0];
     return out->pid < 0 ? dm2_fail(err, DM2_IO, "cannot start %s: %s", argv[0], strerror(errno)) : DM2_OK;
 }
 
-/* A status with the exit code that the child ended with, so that what started it ends with the same. */
-static enum dm2_status why_of(int code)
+/* The status whose exit code the child ended with, so that the caller ends with the same code; else
+ * DM2_IO. */
+static enum dm2_status status_of_exit(int code)
 {
     static const enum dm2_status known[] = {DM2_DECK, DM2_NET};
     for (size_t k = 0; k < sizeof known / sizeof known[0]; k++)
@@ -90,14 +92,15 @@ static enum dm2_status why_of(int code)
     return DM2_IO;
 }
 
-static enum dm2_status finish(const struct child *c, const char *path, int cancel, struct dm2_error *err)
+static enum dm2_status finish_child(const struct child *c, const char *path, int cancel,
+                                    struct dm2_error *err)
 {
     int code = -1;
     bool asked = c->pid > 0 && wait_for_end(c->pid, c->alive, cancel);
     if (c->alive >= 0)
         (void)close(c->alive);
     if (c->pid < 0)
-        return DM2_OK; /* start said why */
+        return DM2_OK; /* start_child has set the error */
     while (waitpid(c->pid, &code, 0) < 0 && errno == EINTR)
         continue;
     if (asked)
@@ -107,12 +110,13 @@ static enum dm2_status finish(const struct child *c, const char *path, int cance
     if (WIFEXITED(code) && WEXITSTATUS(code) == 127)
         return dm2_fail(err, DM2_IO,
                         "the program '%s' did not start: is it installed beside dm2-model or on PATH?", path);
-    return dm2_fail(err, why_of(code), "%s failed, see above", path);
+    return dm2_fail(err, status_of_exit(code), "%s failed, see above", path);
 }
 
 enum dm2_status child_run(char *const argv[], int cancel, struct dm2_error *err)
 {
     struct child child;
-    enum dm2_status status = start(argv, &child, err), ended = finish(&child, argv[0], cancel, err);
+    enum dm2_status status = start_child(argv, &child, err),
+                    ended = finish_child(&child, argv[0], cancel, err);
     return status != DM2_OK ? status : ended;
 }

@@ -22,7 +22,7 @@
 #include "signals.h"
 
 static const char PROGRAM[] = "dm2-client";
-static const double STATUS_SECONDS = 10; /* for a server to say what it does */
+static const double STATUS_SECONDS = 10; /* for a server to answer --status */
 
 enum { LOCAL_MOST = 1024, PROBE_TURNS = 15 };
 
@@ -41,13 +41,13 @@ struct client_command {
     struct calibration calibration;
 };
 
-/* What the events of a run need. */
+/* The context of a run's events. */
 struct display {
     struct progress progress;
     bool quiet;
 };
 
-/* --status needs servers and no deck. */
+/* --status requires servers and no deck. */
 static enum dm2_status check_status(const struct client_command *c, struct dm2_error *err)
 {
     if (c->run.help || c->run.version)
@@ -60,7 +60,8 @@ static enum dm2_status check_status(const struct client_command *c, struct dm2_e
     return DM2_OK;
 }
 
-static enum dm2_status parse(struct client_command *c, int argc, char **argv, struct dm2_error *err)
+static enum dm2_status parse_command_line(struct client_command *c, int argc, char **argv,
+                                          struct dm2_error *err)
 {
     enum { OWN = 12 };
     *c = (struct client_command){
@@ -116,7 +117,7 @@ static enum dm2_status parse(struct client_command *c, int argc, char **argv, st
     return status;
 }
 
-/* The servers that the command line names; none where local ones are to be started. */
+/* Adds the servers that the command line names to *list; none where local servers are to be started. */
 static enum dm2_status named_servers(const struct client_command *c, struct endpoints *list,
                                      struct dm2_error *err)
 {
@@ -126,20 +127,20 @@ static enum dm2_status named_servers(const struct client_command *c, struct endp
     return status;
 }
 
-static bool by_particles(const struct client_command *c, const struct run *run)
+static bool is_by_particles(const struct client_command *c, const struct run *run)
 {
     return c->balance != NULL ? strcmp(c->balance, "particles") == 0
                               : run->config.balance == BALANCE_PARTICLES;
 }
 
-static enum dm2_status decompose(const struct client_command *c, const struct run *run, int ranks,
-                                 struct decomposition *out, struct dm2_error *err)
+static enum dm2_status decompose_domain(const struct client_command *c, const struct run *run, int ranks,
+                                        struct decomposition *out, struct dm2_error *err)
 {
     const struct grid *g = model_grid(run->model);
     uint32_t *counts = NULL;
     enum dm2_status status = DM2_OK;
     *out = (struct decomposition){0};
-    if (by_particles(c, run)) {
+    if (is_by_particles(c, run)) {
         counts = mem_zalloc((size_t)g->cx * (size_t)g->cy, sizeof *counts);
         if (counts == NULL)
             return dm2_fail(err, DM2_MEMORY, "no memory for %d x %d cells", g->cx, g->cy);
@@ -185,39 +186,42 @@ static void print_summary(const struct client_command *c, const struct run_repor
     (void)printf("results in %s\n", directory);
 }
 
-/* Local servers serve one session: after a loss all are started anew. */
-struct nursery {
+/* Starts local servers for client_options.renew. A local server ends with its session, so after a loss all
+ * are started anew. */
+struct local_starter {
     const struct client_command *command;
     struct local_servers servers;
 };
 
-static enum dm2_status start_anew(void *context, int ranks, struct endpoint *servers, struct dm2_error *err)
+static enum dm2_status restart_servers(void *context, int ranks, struct endpoint *servers,
+                                       struct dm2_error *err)
 {
-    struct nursery *n = context;
-    const struct client_command *c = n->command;
+    struct local_starter *s = context;
+    const struct client_command *c = s->command;
     struct endpoints list = {0};
-    local_servers_stop(&n->servers);
+    local_servers_stop(&s->servers);
     enum dm2_status status =
-        local_servers_start(c->argv0, ranks, c->run.verbose, c->cancel, &n->servers, &list, err);
+        local_servers_start(c->argv0, ranks, c->run.verbose, c->cancel, &s->servers, &list, err);
     for (int k = 0; k < ranks && status == DM2_OK; k++)
         servers[k] = list.items[k];
     endpoints_free(&list);
     return status;
 }
 
-/* The run itself, with servers that are up. */
-static enum dm2_status run_on(const struct client_command *c, const struct run *run,
-                              const struct decomposition *d, const struct endpoints *servers,
-                              struct nursery *nursery, struct results *results, struct network_probe *probe,
-                              struct run_report *report, struct dm2_error *err)
+/* Runs the deck on servers that are up. */
+static enum dm2_status run_on_servers(const struct client_command *c, const struct run *run,
+                                      const struct decomposition *d, const struct endpoints *servers,
+                                      struct local_starter *starter, struct results *results,
+                                      struct network_probe *probe, struct run_report *report,
+                                      struct dm2_error *err)
 {
     struct display display = {.quiet = c->run.quiet};
     const struct client_options options = {
         .servers = servers->items,
         .spares = servers->items + d->ranks,
         .n_spares = servers->n - (size_t)d->ranks,
-        .renew = nursery->servers.n > 0 ? start_anew : NULL,
-        .renew_context = nursery,
+        .renew = starter->servers.n > 0 ? restart_servers : NULL,
+        .renew_context = starter,
         .recover = !c->no_recover,
         .reconnect = c->reconnect,
         .copy_every = c->copy_every,
@@ -225,7 +229,7 @@ static enum dm2_status run_on(const struct client_command *c, const struct run *
         .deck_path = c->run.deck,
         .version = DM2_VERSION,
         .timeout = c->timeout,
-        .send_deck = c->send_deck || nursery->servers.n > 0,
+        .send_deck = c->send_deck || starter->servers.n > 0,
         .hash_every = c->run.hash_every,
         .cancel = c->cancel,
         .echo = c->calibration_path[0] == '\0' ? network_probe_echo(probe) : NULL,
@@ -236,7 +240,7 @@ static enum dm2_status run_on(const struct client_command *c, const struct run *
                                    .model = run->model,
                                    .decomposition = d,
                                    .start = run->restarted ? &run->state : NULL,
-                                   .by_particles = by_particles(c, run),
+                                   .by_particles = is_by_particles(c, run),
                                    .results = results};
     progress_start(&display.progress, c->run.progress, run->config.steps, model_elements(run->model));
     enum dm2_status status = client_run(&job, &options, report, err);
@@ -244,7 +248,7 @@ static enum dm2_status run_on(const struct client_command *c, const struct run *
     return status;
 }
 
-/* What the model says about the run that has ended; empty where no step was timed. */
+/* Predicts the run that has ended: report->prediction is `text`, or NULL where no step was timed. */
 static enum dm2_status predict_run(const struct client_command *c, const struct network_probe *probe,
                                    bool local, struct run_report *report, char text[PREDICTION_TEXT],
                                    struct dm2_error *err)
@@ -268,14 +272,14 @@ static enum dm2_status predict_run(const struct client_command *c, const struct 
     return status;
 }
 
-/* From the run directory to its last file. */
+/* Opens the run directory, runs, and writes the remaining files. */
 static enum dm2_status run_all(const struct client_command *c, const struct run *run,
                                const struct decomposition *d, struct endpoints *servers,
                                struct dm2_error *err)
 {
     struct results *results = NULL;
     struct run_report report = {0};
-    struct nursery nursery = {.command = c};
+    struct local_starter starter = {.command = c};
     struct network_probe probe = {0};
     char prediction[PREDICTION_TEXT];
     bool start = servers->n == 0;
@@ -283,11 +287,11 @@ static enum dm2_status run_all(const struct client_command *c, const struct run 
     if (status == DM2_OK)
         status = network_probe_start(&probe, true, PROBE_TURNS, err);
     if (status == DM2_OK && start)
-        status = local_servers_start(c->argv0, d->ranks, c->run.verbose, c->cancel, &nursery.servers, servers,
+        status = local_servers_start(c->argv0, d->ranks, c->run.verbose, c->cancel, &starter.servers, servers,
                                      err);
     if (status == DM2_OK)
-        status = run_on(c, run, d, servers, &nursery, results, &probe, &report, err);
-    local_servers_stop(&nursery.servers);
+        status = run_on_servers(c, run, d, servers, &starter, results, &probe, &report, err);
+    local_servers_stop(&starter.servers);
     if (status == DM2_OK)
         status = predict_run(c, &probe, start, &report, prediction, err);
     if (status == DM2_OK)
@@ -307,9 +311,9 @@ static enum dm2_status run_all(const struct client_command *c, const struct run 
     return status;
 }
 
-static enum dm2_status check_only(const struct client_command *c, const struct run *run,
-                                  const struct decomposition *d, const struct endpoints *servers,
-                                  struct dm2_error *err)
+static enum dm2_status print_check(const struct client_command *c, const struct run *run,
+                                   const struct decomposition *d, const struct endpoints *servers,
+                                   struct dm2_error *err)
 {
     char(*names)[HOST_MAX + 8] = mem_zalloc((size_t)d->ranks, sizeof *names);
     const char **list = mem_zalloc((size_t)d->ranks, sizeof *list);
@@ -327,7 +331,7 @@ static enum dm2_status check_only(const struct client_command *c, const struct r
     return status;
 }
 
-/* How many servers the run has. */
+/* The number of servers of the run. */
 static int choose_ranks(const struct client_command *c, const struct run *run,
                         const struct endpoints *servers, size_t active)
 {
@@ -356,7 +360,7 @@ static enum dm2_status find_calibration(struct client_command *c, struct dm2_err
     return status;
 }
 
-static enum dm2_status tell_status(struct client_command *c, struct dm2_error *err)
+static enum dm2_status print_status(struct client_command *c, struct dm2_error *err)
 {
     struct endpoints servers = {0};
     enum dm2_status status = named_servers(c, &servers, err);
@@ -370,7 +374,7 @@ static enum dm2_status tell_status(struct client_command *c, struct dm2_error *e
     return status;
 }
 
-static enum dm2_status work(struct client_command *c, struct dm2_error *err)
+static enum dm2_status run_deck(struct client_command *c, struct dm2_error *err)
 {
     struct endpoints servers = {0};
     struct run run = {0};
@@ -387,9 +391,9 @@ static enum dm2_status work(struct client_command *c, struct dm2_error *err)
     if (status == DM2_OK)
         status = run_load(&c->run, &run, err);
     if (status == DM2_OK)
-        status = decompose(c, &run, choose_ranks(c, &run, &servers, active), &d, err);
+        status = decompose_domain(c, &run, choose_ranks(c, &run, &servers, active), &d, err);
     if (status == DM2_OK)
-        status = c->run.check ? check_only(c, &run, &d, &servers, err) : run_all(c, &run, &d, &servers, err);
+        status = c->run.check ? print_check(c, &run, &d, &servers, err) : run_all(c, &run, &d, &servers, err);
     decomposition_free(&d);
     run_free(&run);
     endpoints_free(&servers);
@@ -400,12 +404,12 @@ int main(int argc, char **argv)
 {
     struct client_command c;
     struct dm2_error err = {0};
-    enum dm2_status status = parse(&c, argc, argv, &err);
+    enum dm2_status status = parse_command_line(&c, argc, argv, &err);
     if (status == DM2_OK && c.run.version)
         run_print_version(PROGRAM);
     if (status == DM2_OK && !c.run.help && !c.run.version) {
         c.cancel = signals_catch();
-        status = c.status ? tell_status(&c, &err) : work(&c, &err);
+        status = c.status ? print_status(&c, &err) : run_deck(&c, &err);
     }
     option_list_free(&c.servers);
     run_options_free(&c.run);

@@ -8,12 +8,12 @@
 
 static const char PROGRAM[] = "dm2-model";
 
-struct command {
+struct model_command {
     const char *name, *help;
     enum dm2_status (*run)(const char *argv0, int argc, char **argv, struct dm2_error *err);
 };
 
-static const struct command COMMANDS[] = {
+static const struct model_command COMMANDS[] = {
     {"predict", "times, speedup and efficiency of N servers", model_predict_command},
     {"what-if", "other processors and networks; from which size servers pay, and how many",
      model_what_if_command},
@@ -33,7 +33,7 @@ static void print_help(void)
     (void)printf("\n%s COMMAND --help lists a command's options.\n", PROGRAM);
 }
 
-static enum dm2_status unknown_command(const char *word, struct dm2_error *err)
+static enum dm2_status fail_unknown_command(const char *word, struct dm2_error *err)
 {
     char names[200] = "";
     size_t used = 0;
@@ -45,7 +45,7 @@ static enum dm2_status unknown_command(const char *word, struct dm2_error *err)
                     word == NULL ? "" : word, names);
 }
 
-static enum dm2_status dispatch(int argc, char **argv, struct dm2_error *err)
+static enum dm2_status run_command(int argc, char **argv, struct dm2_error *err)
 {
     const char *word = argc > 1 ? argv[1] : NULL;
     if (word != NULL && (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0)) {
@@ -59,13 +59,13 @@ static enum dm2_status dispatch(int argc, char **argv, struct dm2_error *err)
     for (size_t i = 0; word != NULL && i < N_COMMANDS; i++)
         if (strcmp(word, COMMANDS[i].name) == 0)
             return COMMANDS[i].run(argv[0], argc - 1, argv + 1, err);
-    return unknown_command(word, err);
+    return fail_unknown_command(word, err);
 }
 
 int main(int argc, char **argv)
 {
     struct dm2_error err = {0};
-    enum dm2_status status = dispatch(argc, argv, &err);
+    enum dm2_status status = run_command(argc, argv, &err);
     if (status == DM2_OK)
         return 0;
     (void)fprintf(stderr, "%s: %s\n", PROGRAM, err.text);

@@ -20,8 +20,8 @@ enum { SERIES_MAX = 32 };
 static const char usage[] = "usage: dm2-plot snapshot FILE.vtp [options]   draws the elements of a state\n"
                             "       dm2-plot chart FILE.csv [options]      draws columns of a table\n";
 
-/* Everything that the two commands take. */
-struct arguments {
+/* The options of both commands. */
+struct plot_arguments {
     const char *out, *title;
     int64_t width;
     bool help;
@@ -34,7 +34,7 @@ struct arguments {
     bool log_x, log_y, markers;
 };
 
-/* The file's base name with the suffix ".svg", in the current directory; malloc'd. */
+/* The file's base name with the suffix ".svg", in the current directory. malloc'd; NULL: no memory. */
 static char *default_output(const char *path)
 {
     const char *slash = strrchr(path, '/'), *base = slash == NULL ? path : slash + 1,
@@ -48,7 +48,7 @@ static char *default_output(const char *path)
     return out;
 }
 
-/* Takes `--range MIN MAX` out of the command line: the one option with two values. */
+/* Removes `--range MIN MAX` from the command line, because options_parse knows no option with two values. */
 static enum dm2_status take_range(int *argc, char **argv, double range[2], struct dm2_error *err)
 {
     range[0] = range[1] = NAN;
@@ -62,16 +62,17 @@ static enum dm2_status take_range(int *argc, char **argv, double range[2], struc
                 !isfinite(range[k]))
                 return dm2_fail(err, DM2_USAGE, "--range needs two numbers: MIN MAX");
         for (int k = i; k + 3 <= *argc; k++)
-            argv[k] = argv[k + 3]; /* the NULL at the end, too */
+            argv[k] = argv[k + 3]; /* moves the NULL at the end, too */
         *argc -= 3;
         i--;
     }
     return DM2_OK;
 }
 
-/* Parses what follows the command; the one operand is the file. */
-static enum dm2_status parse(const struct option *table, size_t n, int argc, char **argv,
-                             const struct arguments *a, const char **file, struct dm2_error *err)
+/* Parses the words behind the command; the one operand is the file. */
+static enum dm2_status parse_arguments(const struct option *table, size_t n, int argc, char **argv,
+                                       const struct plot_arguments *a, const char **file,
+                                       struct dm2_error *err)
 {
     struct option_list operands = {0};
     enum dm2_status status = options_parse(table, n, argc, argv, &operands, err);
@@ -91,7 +92,7 @@ static void print_help(const char *first, const struct option *table, size_t n)
 
 static enum dm2_status snapshot_command(int argc, char **argv, struct dm2_error *err)
 {
-    struct arguments a = {.width = 900};
+    struct plot_arguments a = {.width = 900};
     const struct option table[] = {
         {"output", 'o', OPTION_TEXT, &a.out, "OUT.svg", "where to write; default FILE.svg here", 0, 0},
         {"colour", 'c', OPTION_TEXT, &a.colour, "WHAT",
@@ -104,7 +105,7 @@ static enum dm2_status snapshot_command(int argc, char **argv, struct dm2_error 
     const char *file;
     enum dm2_status status = take_range(&argc, argv, a.range, err);
     if (status == DM2_OK)
-        status = parse(table, sizeof table / sizeof table[0], argc, argv, &a, &file, err);
+        status = parse_arguments(table, sizeof table / sizeof table[0], argc, argv, &a, &file, err);
     if (status != DM2_OK)
         return status;
     if (a.help) {
@@ -131,9 +132,9 @@ static enum dm2_status snapshot_command(int argc, char **argv, struct dm2_error 
     return status;
 }
 
-/* A heading as a label: in its unit a u for micro becomes a \u00b5, digits become superscripts. Returns
+/* A heading as a label: in its unit a u for micro becomes U+00B5 and digits become superscripts. Returns
  * `out`. */
-static const char *typeset(const char *heading, char *out, size_t size)
+static const char *typeset_heading(const char *heading, char *out, size_t size)
 {
     size_t n = 0;
     bool unit = false;
@@ -150,21 +151,22 @@ static const char *typeset(const char *heading, char *out, size_t size)
     return out;
 }
 
-/* A chart's columns: the names in `list`, comma-separated, looked up one by one. */
-struct columns {
+/* A chart's columns. `heading` points into the table. */
+struct chart_columns {
     double *x, *y[SERIES_MAX];
     const char *heading[SERIES_MAX];
     size_t n;
 };
 
-static void columns_free(struct columns *c)
+static void free_columns(struct chart_columns *c)
 {
     free(c->x);
     for (size_t i = 0; i < c->n; i++)
         free(c->y[i]);
 }
 
-static enum dm2_status take_columns(const struct csv *csv, char *list, struct columns *c,
+/* Appends the columns whose names are in `list`, comma-separated; cuts `list` into names. */
+static enum dm2_status take_columns(const struct csv *csv, char *list, struct chart_columns *c,
                                     struct dm2_error *err)
 {
     for (char *name = list, *next; name != NULL; name = next) {
@@ -184,9 +186,9 @@ static enum dm2_status take_columns(const struct csv *csv, char *list, struct co
     return DM2_OK;
 }
 
-/* A unit that all the columns share goes to the axis: returns it, "[us]", and cuts it off the names; NULL:
- * none. */
-static const char *shared_unit(const struct columns *c, char names[SERIES_MAX][64])
+/* The unit that all headings share, "[us]", for the axis; names[] gets the headings without this unit.
+ * NULL: there is no shared unit. */
+static const char *shared_unit(const struct chart_columns *c, char names[SERIES_MAX][64])
 {
     const char *unit = strstr(c->heading[0], " [");
     for (size_t i = 0; i < c->n; i++) {
@@ -200,13 +202,13 @@ static const char *shared_unit(const struct columns *c, char names[SERIES_MAX][6
     return unit + 1;
 }
 
-/* One curve: the rows from `first` on, n of them, that have one value in the column of --by. */
-struct group {
+/* One curve of --by: the n rows from `first` on, which have one value in that column. */
+struct row_group {
     size_t first, n;
     double value;
 };
 
-/* Is the value in the comma-separated list? Every value is where there is no list. */
+/* Whether the value is in the comma-separated list. A list of NULL has every value. */
 static bool is_listed(const char *list, double value)
 {
     for (const char *at = list; at != NULL; at = strchr(at, ',') == NULL ? NULL : strchr(at, ',') + 1) {
@@ -217,9 +219,9 @@ static bool is_listed(const char *list, double value)
     return list == NULL;
 }
 
-/* Cuts the table where the column of --by changes. */
-static enum dm2_status find_groups(const struct csv *csv, const struct arguments *a,
-                                   struct group groups[SERIES_MAX], size_t *n, const char **heading,
+/* Cuts the table into groups where the column of --by changes. */
+static enum dm2_status find_groups(const struct csv *csv, const struct plot_arguments *a,
+                                   struct row_group groups[SERIES_MAX], size_t *n, const char **heading,
                                    struct dm2_error *err)
 {
     size_t column;
@@ -240,7 +242,7 @@ static enum dm2_status find_groups(const struct csv *csv, const struct arguments
             status = dm2_fail(err, DM2_USAGE, "'%s' has more than %d values; choose some with --only",
                               *heading, SERIES_MAX);
         else
-            groups[(*n)++] = (struct group){row, next - row, values[row]};
+            groups[(*n)++] = (struct row_group){row, next - row, values[row]};
     }
     free(values);
     if (status == DM2_OK && *n == 0)
@@ -249,23 +251,24 @@ static enum dm2_status find_groups(const struct csv *csv, const struct arguments
     return status;
 }
 
-/* "2.5 \u00b5s" of 2.5 in a column "time [us]"; "step 100" of one without a unit. */
+/* Writes the legend's name of a curve: "2.5 us" (with U+00B5) of 2.5 in a column "time [us]", "step 100"
+ * in a column without a unit. */
 static void name_group(const char *heading, double value, char *out, size_t size)
 {
     char text[200];
-    const char *unit = strchr(typeset(heading, text, sizeof text), '[');
+    const char *unit = strchr(typeset_heading(heading, text, sizeof text), '[');
     if (unit == NULL)
         (void)snprintf(out, size, "%.40s %.6g", heading, value);
     else
         (void)snprintf(out, size, "%.6g %.*s", value, (int)strcspn(unit + 1, "]"), unit + 1);
 }
 
-/* The curves of one column, one for each value of --by, dark to light. */
-static enum dm2_status split_curve(const struct csv *csv, const struct arguments *a, const struct columns *c,
-                                   struct chart_series series[SERIES_MAX], char names[SERIES_MAX][64],
-                                   size_t *n, struct dm2_error *err)
+/* The curves of one column, one for each value of --by, from dark to light. */
+static enum dm2_status split_curve(const struct csv *csv, const struct plot_arguments *a,
+                                   const struct chart_columns *c, struct chart_series series[SERIES_MAX],
+                                   char names[SERIES_MAX][64], size_t *n, struct dm2_error *err)
 {
-    struct group groups[SERIES_MAX];
+    struct row_group groups[SERIES_MAX];
     const char *heading = "";
     if (c->n > 1)
         return dm2_fail(err, DM2_USAGE, "with --by, --y names one column");
@@ -285,10 +288,10 @@ static enum dm2_status split_curve(const struct csv *csv, const struct arguments
     return status;
 }
 
-static enum dm2_status draw_chart(const struct csv *csv, const struct arguments *a, char *list, char *dashed,
-                                  const char *out, struct dm2_error *err)
+static enum dm2_status draw_chart(const struct csv *csv, const struct plot_arguments *a, char *list,
+                                  char *dashed, const char *out, struct dm2_error *err)
 {
-    struct columns c = {0};
+    struct chart_columns c = {0};
     struct chart_series series[SERIES_MAX];
     char names[SERIES_MAX][64];
     char across[256], upward[256];
@@ -319,11 +322,12 @@ static enum dm2_status draw_chart(const struct csv *csv, const struct arguments 
     if (status == DM2_OK) {
         const struct chart chart = {
             .title = a->title,
-            .x_label =
-                a->x_label != NULL ? a->x_label : typeset(csv_heading(csv, x_column), across, sizeof across),
+            .x_label = a->x_label != NULL
+                           ? a->x_label
+                           : typeset_heading(csv_heading(csv, x_column), across, sizeof across),
             .y_label = a->y_label != NULL ? a->y_label
-                       : c.n == 1         ? typeset(c.heading[0], upward, sizeof upward)
-                       : unit != NULL     ? typeset(unit, upward, sizeof upward)
+                       : c.n == 1         ? typeset_heading(c.heading[0], upward, sizeof upward)
+                       : unit != NULL     ? typeset_heading(unit, upward, sizeof upward)
                                           : NULL,
             .log_x = a->log_x,
             .log_y = a->log_y,
@@ -334,13 +338,13 @@ static enum dm2_status draw_chart(const struct csv *csv, const struct arguments 
         };
         status = chart_write(out, &chart, err);
     }
-    columns_free(&c);
+    free_columns(&c);
     return status;
 }
 
 static enum dm2_status chart_command(int argc, char **argv, struct dm2_error *err)
 {
-    struct arguments a = {.width = 760};
+    struct plot_arguments a = {.width = 760};
     const struct option table[] = {
         {"output", 'o', OPTION_TEXT, &a.out, "OUT.svg", "where to write; default FILE.svg here", 0, 0},
         {"x", 'x', OPTION_TEXT, &a.x, "COLUMN", "the column across; required", 0, 0},
@@ -361,7 +365,8 @@ static enum dm2_status chart_command(int argc, char **argv, struct dm2_error *er
         {"help", 'h', OPTION_FLAG, &a.help, NULL, "this", 0, 0},
     };
     const char *file;
-    enum dm2_status status = parse(table, sizeof table / sizeof table[0], argc, argv, &a, &file, err);
+    enum dm2_status status =
+        parse_arguments(table, sizeof table / sizeof table[0], argc, argv, &a, &file, err);
     if (status != DM2_OK)
         return status;
     if (a.help) {
@@ -393,8 +398,9 @@ static enum dm2_status chart_command(int argc, char **argv, struct dm2_error *er
     return status;
 }
 
-/* A file that does not decode is no peer's fault here: 1, where dm2_exit_code would say 3. */
-static int exit_code(enum dm2_status status)
+/* The exit status: 1 for DM2_PROTOCOL, for which dm2_exit_code gives 3, because a file that does not
+ * decode is no failure of the network. */
+static int exit_status(enum dm2_status status)
 {
     return status == DM2_PROTOCOL ? 1 : dm2_exit_code(status);
 }
@@ -404,7 +410,7 @@ int main(int argc, char **argv)
     struct dm2_error err = {0};
     const char *command = argc > 1 ? argv[1] : "";
     enum dm2_status status;
-    (void)signal(SIGXFSZ, SIG_IGN); /* a file size limit is an error to report */
+    (void)signal(SIGXFSZ, SIG_IGN); /* an exceeded file size limit becomes an error of write */
     if (strcmp(command, "-h") == 0 || strcmp(command, "--help") == 0) {
         fputs(usage, stdout);
         return 0;
@@ -425,5 +431,5 @@ int main(int argc, char **argv)
         fprintf(stderr, "dm2-plot: cannot write to standard output\n");
         status = DM2_IO;
     }
-    return exit_code(status);
+    return exit_status(status);
 }

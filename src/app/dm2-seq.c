@@ -1,5 +1,5 @@
-/* dm2-seq: the sequential algorithm (paper, Fig. 5): the engine on one subdomain that owns every cell,
- * without a socket. Its time per step is T_seq of the performance model. */
+/* dm2-seq: the sequential algorithm (paper, Fig. 5). The engine runs on one subdomain that owns every
+ * cell, without sockets. Its time per step is T_seq of the performance model. */
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,7 +22,7 @@ static const char PROGRAM[] = "dm2-seq";
 
 /* A run in progress. */
 struct sequence {
-    double cpu; /* seconds of the processor, in all steps */
+    double cpu; /* processor seconds of all steps */
     const struct run_options *options;
     const struct run *run;
     struct results *results;
@@ -47,7 +47,7 @@ static enum dm2_status write_checkpoint(void *context, const struct state_view *
     return results_checkpoint(context, state, err);
 }
 
-/* Collects the present state, measured, and hands it to the results. */
+/* Collects the present state with its measures and passes it to the results. */
 static enum dm2_status write_snapshot(struct sequence *s, struct dm2_error *err)
 {
     size_t n = subdomain_owned(s->sd), n_pairs = 0;
@@ -81,7 +81,7 @@ static enum dm2_status write_state(struct sequence *s, enum purpose purpose, str
     return status;
 }
 
-/* The profiles that are due at the present state. */
+/* Writes the profiles that are due at the present state. */
 static enum dm2_status write_profiles(struct sequence *s, struct dm2_error *err)
 {
     const struct config *c = &s->run->config;
@@ -116,8 +116,8 @@ static enum dm2_status print_hash(const struct sequence *s, struct dm2_error *er
     return status;
 }
 
-/* New cells and lists for everybody. */
-static enum dm2_status rebuild(struct sequence *s, struct dm2_error *err)
+/* Sorts all elements into new cells and renews the lists. */
+static enum dm2_status rebuild_lists(struct sequence *s, struct dm2_error *err)
 {
     enum dm2_status status = subdomain_sort_out(s->sd, &s->parcel, err);
     if (status == DM2_OK)
@@ -128,7 +128,7 @@ static enum dm2_status rebuild(struct sequence *s, struct dm2_error *err)
 }
 
 /* One time step (paper, Fig. 5): forces, the states and measures that are due, leapfrog, lists. */
-static enum dm2_status step(struct sequence *s, struct dm2_error *err)
+static enum dm2_status take_step(struct sequence *s, struct dm2_error *err)
 {
     const struct config *c = &s->run->config;
     int64_t n = subdomain_step(s->sd);
@@ -147,8 +147,8 @@ static enum dm2_status step(struct sequence *s, struct dm2_error *err)
     if (status == DM2_OK && survey)
         subdomain_survey(s->sd, &spread);
     if (status == DM2_OK && rebuild_plan_step(&s->plan, dmax, survey ? &spread : NULL))
-        status = rebuild(s, err);
-    if (!snapshot) { /* a step with a snapshot is not a time step alone */
+        status = rebuild_lists(s, err);
+    if (!snapshot) { /* the time of a step with a snapshot is not that of a step alone */
         s->report.stepping += clock_now() - started - (s->report.output - output);
         s->report.timed++;
     }
@@ -160,8 +160,8 @@ static enum dm2_status step(struct sequence *s, struct dm2_error *err)
     return status;
 }
 
-/* The last state as it is, then evaluated once more for the last measures. */
-static enum dm2_status finish(struct sequence *s, struct dm2_error *err)
+/* Writes the last state, then evaluates its forces once more for the last measures. */
+static enum dm2_status finish_run(struct sequence *s, struct dm2_error *err)
 {
     const struct config *c = &s->run->config;
     struct measures measures;
@@ -188,7 +188,7 @@ static enum dm2_status run_steps(struct sequence *s, int cancel, struct dm2_erro
     double cpu = clock_cpu();
     progress_start(&progress, s->options->progress, steps, model_elements(s->run->model));
     while (status == DM2_OK && subdomain_step(s->sd) < steps) {
-        status = step(s, err);
+        status = take_step(s, err);
         if (status == DM2_OK)
             status = print_hash(s, err);
         bool asked = cancel >= 0 && poll(&signal, 1, 0) > 0;
@@ -203,7 +203,7 @@ static enum dm2_status run_steps(struct sequence *s, int cancel, struct dm2_erro
     }
     s->cpu = clock_cpu() - cpu;
     progress_end(&progress);
-    return status == DM2_OK ? finish(s, err) : status;
+    return status == DM2_OK ? finish_run(s, err) : status;
 }
 
 static void fill_report(struct sequence *s, double started)
@@ -277,7 +277,7 @@ static enum dm2_status run_all(struct sequence *s, const struct decomposition *d
     return status;
 }
 
-static enum dm2_status work(const struct run_options *o, int cancel, struct dm2_error *err)
+static enum dm2_status run_deck(const struct run_options *o, int cancel, struct dm2_error *err)
 {
     struct run run = {0};
     struct decomposition d = {0};
@@ -311,7 +311,7 @@ int main(int argc, char **argv)
     if (status == DM2_OK && options.version)
         run_print_version(PROGRAM);
     if (status == DM2_OK && !options.help && !options.version)
-        status = work(&options, signals_catch(), &err);
+        status = run_deck(&options, signals_catch(), &err);
     run_options_free(&options);
     return status == DM2_OK ? 0 : run_report_failure(PROGRAM, &err);
 }

@@ -1,5 +1,5 @@
-/* dm2-server: the iterative daemon on a workstation. It waits for a client, serves its session, and goes back
- * to wait. */
+/* dm2-server: the iterative daemon on a workstation, which waits for a client, serves its session, and
+ * waits again. */
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -33,7 +33,8 @@ struct server_command {
     bool once, quiet, verbose, help, version;
 };
 
-static enum dm2_status parse(struct server_command *c, int argc, char **argv, struct dm2_error *err)
+static enum dm2_status parse_command_line(struct server_command *c, int argc, char **argv,
+                                          struct dm2_error *err)
 {
     *c = (struct server_command){.port = DEFAULT_PORT,
                                  .listen = "127.0.0.1",
@@ -93,7 +94,7 @@ static void log_line(void *context, enum server_event event, const char *peer, c
     (void)fflush(stderr);
 }
 
-/* Off this machine anybody could connect: there the key tells friends from strangers. */
+/* Requires a key for addresses other than loopback, because there any machine on the network can connect. */
 static enum dm2_status check_address(const struct server_command *c, struct dm2_error *err)
 {
     int loopback = 0;
@@ -115,9 +116,9 @@ static enum dm2_status read_secrets(struct server_command *c, struct dm2_error *
     return status;
 }
 
-/* What a server has in memory, decks and keys, is not left in a file where it crashed. Linux hands a core to
- * the program of kernel.core_pattern whatever the limit is, but none of a process that is not dumpable. */
-static void leave_no_core(void)
+/* Prevents core dumps, because the server's memory holds decks and keys. Linux pipes a core to the program
+ * of kernel.core_pattern whatever the limit is, except for a process that is not dumpable. */
+static void disable_core_dumps(void)
 {
     const struct rlimit none = {0, 0};
     (void)setrlimit(RLIMIT_CORE, &none);
@@ -126,7 +127,7 @@ static void leave_no_core(void)
 #endif
 }
 
-static enum dm2_status serve(struct server_command *c, int cancel, struct dm2_error *err)
+static enum dm2_status serve_clients(struct server_command *c, int cancel, struct dm2_error *err)
 {
     int listener = -1;
     char bound[SOCKET_NAME];
@@ -157,24 +158,24 @@ int main(int argc, char **argv)
 {
     struct server_command c;
     struct dm2_error err = {0};
-    enum dm2_status status = parse(&c, argc, argv, &err);
+    enum dm2_status status = parse_command_line(&c, argc, argv, &err);
     if (status == DM2_OK && c.help)
         return 0;
     if (status == DM2_OK && c.version) {
         run_print_version(PROGRAM);
         return 0;
     }
-    leave_no_core();
+    disable_core_dumps();
     if (status == DM2_OK && c.new_key != NULL) {
         status = auth_key_create(c.new_key, &err);
         return status == DM2_OK ? 0 : run_report_failure(PROGRAM, &err);
     }
     if (status == DM2_OK)
-        status = serve(&c, signals_catch(), &err);
+        status = serve_clients(&c, signals_catch(), &err);
     option_list_free(&c.allow_texts);
     if (status == DM2_OK || (status == DM2_INTERRUPTED && signals_caught() != 0))
-        return 0; /* asked to end, and ended */
+        return 0; /* ended as requested */
     if (c.once && c.quiet && status != DM2_USAGE)
-        return dm2_exit_code(status); /* the client tells its user itself */
+        return dm2_exit_code(status); /* the client that started this server reports the failure */
     return run_report_failure(PROGRAM, &err);
 }

@@ -1,8 +1,8 @@
-/* Each child is `dm2-server --port 0 --once` with a pipe as its standard output. The first line on it says
- * where the child listens; its end says that the child is gone, which makes waiting with a deadline possible
- * without sleeping. Children are ended by their process ids, which stay theirs until they are waited for
- * here. A client that dies without ending them leaves none behind: --once ends a server with its session, or
- * when nobody comes. */
+/* Each child is `dm2-server --port 0 --once` with a pipe as its standard output. The first line on the
+ * pipe names the address where the child listens; end of file marks the end of the child, so that waiting
+ * has a deadline without sleep. Children are signalled by their process ids, which stay theirs until
+ * waitpid here. A client that dies without ending its servers leaves no server behind, because --once ends
+ * a server with its session, or when no client comes. */
 #include "local_servers.h"
 
 #include <errno.h>
@@ -20,14 +20,15 @@
 #include "dm2/net/socket.h"
 #include "child.h"
 
-static const double START_SECONDS = 20.0; /* for a server to say where it listens */
-static const double STOP_SECONDS = 5.0;   /* for one that was asked to end */
+static const double START_SECONDS = 20.0; /* until a server prints its address */
+static const double STOP_SECONDS = 5.0;   /* until a server ends after SIGTERM */
 
-/* In the child: only async-signal-safe calls until exec. */
+/* Runs in the child: only async-signal-safe calls until exec. */
 static void become_server(char *path, int out, bool verbose)
 {
     char port[] = "--port", zero[] = "0", once[] = "--once", quiet[] = "--quiet";
-    char elements[] = "--max-elements", steps[] = "--max-steps"; /* its user limits himself */
+    char elements[] = "--max-elements",
+         steps[] = "--max-steps"; /* 0: no limits, because client and server have the same user */
     char *arguments[] = {path, port, zero, once, elements, zero, steps, zero, verbose ? NULL : quiet, NULL};
     int null = open("/dev/null", O_RDONLY);
     (void)setpgid(0, 0);
@@ -36,7 +37,8 @@ static void become_server(char *path, int out, bool verbose)
     _exit(127);
 }
 
-static enum dm2_status spawn(char *path, bool verbose, struct local_server *server, struct dm2_error *err)
+static enum dm2_status spawn_server(char *path, bool verbose, struct local_server *server,
+                                    struct dm2_error *err)
 {
     int fd[2];
     if (pipe(fd) != 0)
@@ -56,7 +58,7 @@ static enum dm2_status spawn(char *path, bool verbose, struct local_server *serv
     return DM2_OK;
 }
 
-/* Reads the line "dm2-server: listening on ADDR:PORT". */
+/* Reads the line "dm2-server: listening on ADDR:PORT" and adds the address to *list. */
 static enum dm2_status read_port(const struct local_server *server, const char *path, int cancel,
                                  struct endpoints *list, struct dm2_error *err)
 {
@@ -92,7 +94,7 @@ enum dm2_status local_servers_start(const char *argv0, int n, bool verbose, int 
     if (path == NULL || out->items == NULL)
         status = dm2_fail(err, DM2_MEMORY, "no memory for %d servers", n);
     while (out->n < n && status == DM2_OK) {
-        status = spawn(path, verbose, &out->items[out->n], err);
+        status = spawn_server(path, verbose, &out->items[out->n], err);
         out->n += status == DM2_OK;
     }
     for (int k = 0; k < n && status == DM2_OK; k++)
@@ -103,7 +105,8 @@ enum dm2_status local_servers_start(const char *argv0, int n, bool verbose, int 
     return status;
 }
 
-/* Waits for the end of its standard output, which nobody else holds. */
+/* Waits for the end of file of the server's standard output, which only the server holds. False after
+ * STOP_SECONDS. */
 static bool wait_for_end(const struct local_server *server)
 {
     struct deadline until = deadline_in(STOP_SECONDS, -1);
@@ -121,7 +124,7 @@ void local_servers_stop(struct local_servers *servers)
 {
     for (int k = 0; k < servers->n; k++) {
         (void)kill(servers->items[k].pid, SIGTERM);
-        (void)kill(servers->items[k].pid, SIGCONT); /* a stopped one would not notice */
+        (void)kill(servers->items[k].pid, SIGCONT); /* a stopped process would not handle SIGTERM */
     }
     for (int k = 0; k < servers->n; k++) {
         if (!wait_for_end(&servers->items[k]))

@@ -1,4 +1,4 @@
-/* Servers on this machine that a client starts for one run and ends with it. */
+/* Servers on this machine that a client starts for one run and ends after it. */
 #ifndef DM2_APP_LOCAL_SERVERS_H
 #define DM2_APP_LOCAL_SERVERS_H
 
@@ -10,7 +10,7 @@
 
 struct local_server {
     pid_t pid;
-    int out; /* its standard output; ends when it does */
+    int out; /* its standard output; end of file when the server ends */
 };
 
 struct local_servers {
@@ -18,17 +18,18 @@ struct local_servers {
     int n;
 };
 
-/* Starts n dm2-servers on free loopback ports and adds them to *list. The program is looked for beside
- * `argv0`, the path by which the caller was started, else on PATH. Each runs in a process group of its own,
- * so that an interrupt from the terminal reaches the caller alone. On failure those that were started are
- * ended. DM2_NET: the program is missing or did not say where it listens; DM2_INTERRUPTED; DM2_MEMORY. */
+/* Starts n dm2-servers on free loopback ports and adds their addresses to *list. The program is looked for
+ * beside `argv0`, the path by which the caller was started, else on PATH. Each server runs in a process
+ * group of its own, so that an interrupt from the terminal reaches the caller alone. After a failure the
+ * servers that were started are ended. DM2_NET: the program is missing or did not print its address;
+ * DM2_INTERRUPTED; DM2_MEMORY. End *out with local_servers_stop. */
 enum dm2_status local_servers_start(const char *argv0, int n, bool verbose, int cancel,
                                     struct local_servers *out, struct endpoints *list, struct dm2_error *err);
 
-/* Ends them, at last by SIGKILL, and waits for them. */
+/* Ends the servers by SIGTERM, after some seconds by SIGKILL, waits for them, and frees *servers. */
 void local_servers_stop(struct local_servers *servers);
 
-/* How many servers make sense on this machine: one per core. */
+/* The number of servers that this machine can run at full speed: its cores, at most 1024. */
 int local_servers_cores(void);
 
 #endif

@@ -1,13 +1,14 @@
-/* dm2-model calibrate: k from runs of one and of all processors, m_N and b_N from round trips, into the
+/* dm2-model calibrate: k from runs on one and on all processors, m_N and b_N from round trips, into the
  * calibration file.
  *
- * k = T c/n^2 (eq. 11) of each run; T is the processor's time per step, which is the time that passes where a
- * machine has nothing else to do, and does not count what other programs take where it has. k is not one
- * number: more elements fit worse into caches, and processors of one machine share those and the memory;
- * hence every size, alone and as the share of each of as many servers as there are processors. A server's k
- * is more than that of dm2-seq beside its like: it evaluates the pairs across its boundary, too, keeps what
- * it may have to undo, and finds its caches as its client left them. The cells' edges of the file are those
- * of square cells that give the largest run its number of cells. */
+ * k = T c/n^2 (eq. 11) of each run. T is the processor time per step, which equals the elapsed time on an
+ * idle machine and excludes the time that other programs take on a busy one. k is not one number, because
+ * more elements fit worse into caches, and because the processors of one machine share caches and memory;
+ * therefore k is measured at every size, with one program alone and with as many servers of that size as
+ * there are processors. The k of a server exceeds that of dm2-seq under the same load, because a server
+ * also evaluates the pairs across its boundary, keeps the data that it may have to undo, and finds its
+ * caches as its client left them. The cell edges in the file are those of square cells that give the
+ * largest run its number of cells. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -37,24 +38,24 @@ struct calibrate {
     double shared[RUNS_MOST]; /* k of every server, of one size */
 };
 
-/* k of one server, or of dm2-seq, eq. (11). */
-static double k_of(const struct run_report *r, int server)
+/* k of one server, or of dm2-seq, in seconds; eq. (11). 0 for a server without elements. */
+static double server_k(const struct run_report *r, int server)
 {
     const struct server_report *s = &r->servers[server];
     double n = (double)s->owned, cells = (double)s->cells;
     return n > 0 ? s->times.cpu / (double)r->steps * cells / (n * n) : 0;
 }
 
-static int compare(const void *a, const void *b)
+static int compare_doubles(const void *a, const void *b)
 {
     double x = *(const double *)a, y = *(const double *)b;
     return x < y ? -1 : x > y;
 }
 
-/* The median: one run that something disturbed says nothing about the others. Orders `values`. */
+/* The median, because one disturbed run tells nothing about the others. Sorts `values`. */
 static double median_of(double *values, size_t n)
 {
-    qsort(values, n, sizeof *values, compare);
+    qsort(values, n, sizeof *values, compare_doubles);
     return 0.5 * (values[n / 2] + values[(n - 1) / 2]);
 }
 
@@ -66,8 +67,8 @@ static void note_run(struct calibration *out, const struct run_report *r, struct
     out->perf.g = (double)r->update_bytes;
 }
 
-/* The runs of one size: dm2-seq, then a server of this size for each processor; alone[] gets the k of the
- * former. */
+/* The runs of one size: dm2-seq, then one server of this size per processor. alone[] gets the k of the
+ * runs of dm2-seq. */
 static enum dm2_status measure_size(struct calibrate *c, double wanted, int processors, double *alone,
                                     struct calibration *out, struct perf_size *size, struct dm2_error *err)
 {
@@ -80,13 +81,13 @@ static enum dm2_status measure_size(struct calibrate *c, double wanted, int proc
         if (status != DM2_OK)
             return status;
         note_run(out, &r, size);
-        alone[run - 1] = k_of(&r, 0);
+        alone[run - 1] = server_k(&r, 0);
         free(r.servers);
         if (processors == 1)
             continue;
         status = sweep_run(&c->sweep, wanted * processors, processors, run, &r, err);
         for (int k = 0; k < processors && status == DM2_OK; k++) {
-            double of_server = k_of(&r, k);
+            double of_server = server_k(&r, k);
             if (n_shared < RUNS_MOST && of_server > 0)
                 c->shared[n_shared++] = of_server;
         }
@@ -103,20 +104,21 @@ static enum dm2_status measure_size(struct calibrate *c, double wanted, int proc
     return DM2_OK;
 }
 
-/* k at every size, their mean and spread over the runs alone, L_x = L_y of the largest, and g. */
+/* Measures k at every size and its mean and spread over the runs alone, L_x = L_y of the largest run, and
+ * g. */
 static enum dm2_status measure_k(struct calibrate *c, struct calibration *out, struct dm2_error *err)
 {
     size_t count = 0;
     int processors = local_servers_cores();
     enum dm2_status status = DM2_OK;
     if (c->servers.named.n > 0)
-        processors = 1; /* each server has its machine */
-    qsort(c->sweep.n, (size_t)c->sweep.sizes, sizeof c->sweep.n[0], compare);
+        processors = 1; /* named servers have a machine each */
+    qsort(c->sweep.n, (size_t)c->sweep.sizes, sizeof c->sweep.n[0], compare_doubles);
     for (int i = 0; i < c->sweep.sizes && status == DM2_OK; i++) {
         struct perf_size *size = &out->perf.size[out->perf.n_size];
         status = measure_size(c, c->sweep.n[i], processors, c->alone + count, out, size, err);
         count += (size_t)c->sweep.runs;
-        /* Two sizes of so few elements that the deck makes them the same are one. */
+        /* Sizes so small that the deck makes the same number of elements of both count once. */
         out->perf.n_size += out->perf.n_size == 0 || size->n > size[-1].n;
     }
     if (status == DM2_OK)
@@ -143,7 +145,7 @@ static enum dm2_status measure_network(const struct calibrate *c, struct calibra
     return status;
 }
 
-static enum dm2_status run(struct calibrate *c, struct dm2_error *err)
+static enum dm2_status run_calibration(struct calibrate *c, struct dm2_error *err)
 {
     struct calibration out = {.version = DM2_VERSION, .perf = {.d_x = SPACING_X, .d_y = SPACING_Y}};
     const char *named = getenv("DM2_CALIBRATION");
@@ -187,7 +189,7 @@ enum dm2_status model_calibrate_command(const char *argv0, int argc, char **argv
     if (status == DM2_OK && !c.help)
         status = sweep_finish(&c.sweep, SIZES, (int)(sizeof SIZES / sizeof SIZES[0]), argv0, err);
     if (status == DM2_OK && !c.help)
-        status = run(&c, err);
+        status = run_calibration(&c, err);
     sweep_free(&c.sweep);
     server_choice_free(&c.servers);
     return status;

@@ -1,9 +1,9 @@
 /* dm2-model compare: measured beside predicted (the paper's section 7.2, Figs. 13 to 16).
  *
- * A case is a number of elements and a number of servers; its runs are averaged. The predictions are those of
- * app/prediction.h, with this machine's processors where it runs the servers itself. `critical` is computed,
- * not measured: the processor time of the busiest server and the communication of the model, which is what
- * the step would take if every server had a processor of its own. */
+ * A case is a number of elements and a number of servers; its runs are averaged. The predictions are those
+ * of app/prediction.h, with this machine's processors where the servers run on this machine. `critical` is
+ * computed, not measured: the processor time of the busiest server plus the communication of the model,
+ * which is the time of a step if every server had a processor of its own. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -30,13 +30,13 @@ struct compare {
     bool csv, help;
 };
 
-/* One case: sums over its runs until they are divided. */
+/* One case: sums over its runs, until average_cases divides them. */
 struct measured_case {
     double n;
     int servers; /* 0: dm2-seq */
     int runs;
     double measured, predicted, critical; /* s per step */
-    double t_seq_predicted, t_seq_cpu;    /* the latter of dm2-seq */
+    double t_seq_predicted, t_seq_cpu;    /* s per step; t_seq_cpu: processor time of the busiest server */
 };
 
 struct cases {
@@ -71,7 +71,7 @@ static enum dm2_status add_run(const struct compare *c, struct cases *all, const
     }
     prediction_calibrated(&c->calibration, c->path, r, cores, &basis);
     if (servers == 0)
-        basis.m = basis.b = 0; /* nobody to send to */
+        basis.m = basis.b = 0; /* dm2-seq sends no messages */
     if (!prediction_explain(r, &basis, &e))
         return dm2_fail(err, DM2_USAGE, "a run of %zu elements timed no step", r->elements);
     for (int k = 0; k < r->ranks; k++)
@@ -85,7 +85,7 @@ static enum dm2_status add_run(const struct compare *c, struct cases *all, const
     return DM2_OK;
 }
 
-static void average(struct cases *all)
+static void average_cases(struct cases *all)
 {
     for (size_t k = 0; k < all->n; k++) {
         struct measured_case *one = &all->items[k];
@@ -100,9 +100,9 @@ static void average(struct cases *all)
 
 enum { FIELDS = 13 };
 
-/* servers 0 is printed as 1 with the program's name beside it; speedups are against dm2-seq of the same n,
- * NaN without. */
-static void fields_of(const struct cases *all, const struct measured_case *one, double out[FIELDS])
+/* The fields of one row. servers 0 is printed as 1, with the program's name beside it; speedups are
+ * relative to dm2-seq with the same n, NaN where there is no such run. */
+static void fill_fields(const struct cases *all, const struct measured_case *one, double out[FIELDS])
 {
     const struct measured_case *seq = find_case(all, one->n, 0);
     int servers = one->servers == 0 ? 1 : one->servers;
@@ -131,7 +131,7 @@ static void print_csv(const struct cases *all)
         "efficiency_predicted,critical,speedup_critical\n");
     for (size_t k = 0; k < all->n; k++) {
         double fields[FIELDS];
-        fields_of(all, &all->items[k], fields);
+        fill_fields(all, &all->items[k], fields);
         (void)printf("%s", all->items[k].servers == 0 ? "dm2-seq" : "dm2-client");
         for (int f = 0; f < FIELDS; f++) {
             char text[NUMBER_TEXT_MAX];
@@ -153,14 +153,14 @@ static void print_table(const struct compare *c, const struct cases *all)
         c->path);
     for (size_t k = 0; k < all->n; k++) {
         double f[FIELDS];
-        fields_of(all, &all->items[k], f);
+        fill_fields(all, &all->items[k], f);
         (void)printf("%11.0f %7s%.0f %4.0f %10.4f %10.4f %8.1f %8.3f %9.3f %11.3f %9.3f %9.4f %8.3f\n", f[0],
                      all->items[k].servers == 0 ? "seq " : "", f[1], f[2], 1e3 * f[3], 1e3 * f[4], f[5], f[7],
                      f[8], f[9], f[10], 1e3 * f[11], f[12]);
     }
 }
 
-/* --- where runs come from --- */
+/* --- runs --- */
 
 static enum dm2_status read_runs(const struct compare *c, struct cases *all, struct dm2_error *err)
 {
@@ -194,7 +194,7 @@ static enum dm2_status make_runs(struct compare *c, struct cases *all, struct dm
     return status;
 }
 
-static enum dm2_status run(struct compare *c, struct dm2_error *err)
+static enum dm2_status run_comparison(struct compare *c, struct dm2_error *err)
 {
     struct cases all = {0};
     char note[PREDICTION_TEXT];
@@ -206,7 +206,7 @@ static enum dm2_status run(struct compare *c, struct dm2_error *err)
     if (status == DM2_OK)
         status = c->operands.n > 0 ? read_runs(c, &all, err) : make_runs(c, &all, err);
     if (status == DM2_OK) {
-        average(&all);
+        average_cases(&all);
         if (c->csv)
             print_csv(&all);
         else
@@ -242,7 +242,7 @@ enum dm2_status model_compare_command(const char *argv0, int argc, char **argv, 
         if (status == DM2_OK && c.operands.n == 0) /* finished runs need no deck */
             status = sweep_finish(&c.sweep, SIZES, (int)(sizeof SIZES / sizeof SIZES[0]), argv0, err);
         if (status == DM2_OK)
-            status = run(&c, err);
+            status = run_comparison(&c, err);
     }
     option_list_free(&c.operands);
     sweep_free(&c.sweep);

@@ -1,4 +1,4 @@
-/* dm2-model netbench: the paper's Fig. 3. */
+/* dm2-model netbench: the cost of messages (the paper's Fig. 3). */
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -44,7 +44,7 @@ static void print_table(const struct network_line *lines, int n)
     }
 }
 
-static enum dm2_status run(const struct netbench *c, const char *argv0, struct dm2_error *err)
+static enum dm2_status run_netbench(const struct netbench *c, const char *argv0, struct dm2_error *err)
 {
     struct network_line lines[SERVER_CHOICE_COUNTS];
     int cancel = signals_catch();
@@ -75,7 +75,7 @@ enum dm2_status model_netbench_command(const char *argv0, int argc, char **argv,
                             "Times messages to N servers and back, and fits the line m_N x + b_N.\n\n",
                             err);
     if (status == DM2_OK && !c.help)
-        status = run(&c, argv0, err);
+        status = run_netbench(&c, argv0, err);
     server_choice_free(&c.servers);
     return status;
 }

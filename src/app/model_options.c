@@ -1,7 +1,7 @@
 /* Options of dm2-model's commands.
  *
- * Texts are collected first and understood in one go afterwards, in a fixed order: the preset, then what
- * replaces its constants, so that the order on the command line does not matter. */
+ * options_parse only collects texts; model_options_finish then reads them in a fixed order, the preset
+ * before the options that replace its constants, so that the order on the command line does not matter. */
 #include "model_options.h"
 
 #include <math.h>
@@ -15,7 +15,7 @@
 #include "dm2/base/version.h"
 #include "dm2/performance/calibration.h"
 
-static const double PAPER_ASPECT = 1.3571; /* of the study in section 7.2 */
+static const double PAPER_ASPECT = 1.3571; /* domain of the study in section 7.2 */
 static const char *const CONSTANT_NAMES[MODEL_CONSTANTS] = {"dx", "dy", "lx", "ly", "k", "g"};
 
 void model_options_start(struct model_options *o, struct option *table)
@@ -71,7 +71,8 @@ static enum dm2_status read_number(const char *name, const char *text, size_t le
     return dm2_fail(err, DM2_USAGE, "--%s '%.*s': a number is expected", name, (int)length, text);
 }
 
-static enum dm2_status optional_number(const char *name, const char *text, double *out, struct dm2_error *err)
+static enum dm2_status read_optional_number(const char *name, const char *text, double *out,
+                                            struct dm2_error *err)
 {
     return text == NULL ? DM2_OK : read_number(name, text, strlen(text), out, err);
 }
@@ -84,7 +85,7 @@ enum dm2_status model_option_number(const char *name, const char *text, double *
     return status;
 }
 
-/* Calls `take` with each item of a list with commas. */
+/* Called with each item of a comma-separated list. */
 typedef enum dm2_status (*take_item)(void *context, const char *text, size_t length, struct dm2_error *err);
 
 static enum dm2_status for_each_item(const char *list, take_item take, void *context, struct dm2_error *err)
@@ -192,7 +193,7 @@ struct network_list {
     bool is_b;
 };
 
-/* `V`, for every row that there is, or `N=V`. */
+/* Reads `V`, which sets every row of the network, or `N=V`, which sets the row of N servers. */
 static enum dm2_status take_network(void *context, const char *text, size_t length, struct dm2_error *err)
 {
     struct network_list *list = context;
@@ -220,7 +221,7 @@ static enum dm2_status read_constants(struct model_options *o, struct dm2_error 
     double *const constants[MODEL_CONSTANTS] = {&p->d_x, &p->d_y, &p->l_x, &p->l_y, &p->k, &p->g};
     enum dm2_status status = read_preset(o->preset, p, err);
     for (int i = 0; status == DM2_OK && i < MODEL_CONSTANTS; i++)
-        status = optional_number(CONSTANT_NAMES[i], o->constants[i], constants[i], err);
+        status = read_optional_number(CONSTANT_NAMES[i], o->constants[i], constants[i], err);
     if (status == DM2_OK && o->m != NULL)
         status = for_each_item(o->m, take_network, &(struct network_list){p, false}, err);
     if (status == DM2_OK && o->b != NULL)
@@ -230,9 +231,9 @@ static enum dm2_status read_constants(struct model_options *o, struct dm2_error 
 
 /* --- the form of the model --- */
 
-/* *second where the option is the second of two words, false where it is the first or not given. */
-static enum dm2_status read_choice(const char *name, const char *text, const char *first, const char *other,
-                                   bool *second, struct dm2_error *err)
+/* *second: the option is the second of the two words; false where it is the first, or not given. */
+static enum dm2_status read_word(const char *name, const char *text, const char *first, const char *other,
+                                 bool *second, struct dm2_error *err)
 {
     *second = text != NULL && strcmp(text, other) == 0;
     if (text == NULL || *second || strcmp(text, first) == 0)
@@ -257,13 +258,13 @@ static enum dm2_status read_form(struct model_options *o, struct dm2_error *err)
     form->general = o->general;
     form->slowest = o->slowest;
     form->overlap_inner = o->overlap != NULL && strcmp(o->overlap, "inner") == 0;
-    enum dm2_status status = read_choice("transport", o->transport, "relay", "peer", &form->peer, err);
+    enum dm2_status status = read_word("transport", o->transport, "relay", "peer", &form->peer, err);
     if (status == DM2_OK)
-        status = read_choice("count", o->count, "edges", "mirrored", &form->mirrored, err);
+        status = read_word("count", o->count, "edges", "mirrored", &form->mirrored, err);
     if (status == DM2_OK && !form->overlap_inner)
-        status = optional_number("overlap", o->overlap, &form->overlap, err);
+        status = read_optional_number("overlap", o->overlap, &form->overlap, err);
     if (status == DM2_OK)
-        status = optional_number("migrants", o->migrants, &form->migrants, err);
+        status = read_optional_number("migrants", o->migrants, &form->migrants, err);
     if (status == DM2_OK && o->migrant_bytes != NULL)
         status = model_option_number("migrant-bytes", o->migrant_bytes, &form->migrant_bytes, err);
     if (status == DM2_OK && o->client_rate != NULL)

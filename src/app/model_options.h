@@ -1,4 +1,4 @@
-/* What the commands of dm2-model share: the options that choose constants, problem and form of the model. */
+/* The options that the commands of dm2-model share: constants, problem and form of the model. */
 #ifndef DM2_APP_MODEL_OPTIONS_H
 #define DM2_APP_MODEL_OPTIONS_H
 
@@ -12,36 +12,37 @@
 enum { MODEL_OPTIONS = 24, MODEL_CONSTANTS = 6 };
 
 struct model_options {
-    /* As given on the command line; NULL where not. */
+    /* As given on the command line; NULL: not given. */
     const char *preset, *aspect, *constants[MODEL_CONSTANTS], *m, *b;
     const char *transport, *count, *overlap, *migrants, *migrant_bytes, *client_rate, *periodic;
     struct option_list n_texts, servers_texts, operands;
     bool general, slowest, csv, help, version;
 
-    /* What they mean, after model_options_finish. */
+    /* The values of these texts, after model_options_finish. */
     struct perf perf;
     struct predict_options form;
-    double s;
-    double *n; /* n_count of them; none given: none */
+    double s;  /* width of the domain to its height */
+    double *n; /* the n_count numbers of elements that are given */
     size_t n_count;
-    int *servers; /* the same */
+    int *servers; /* the servers_count numbers of servers that are given */
     size_t servers_count;
 };
 
-/* Writes MODEL_OPTIONS entries to `table` that put what is given into *o, which it clears. */
+/* Clears *o and writes MODEL_OPTIONS entries to `table` whose targets are in *o. */
 void model_options_start(struct model_options *o, struct option *table);
 
-/* After options_parse: reads every text. DM2_USAGE that names the option: a malformed number, an unknown
- * word, operands, an option without the one that it belongs to, a preset that is neither known nor a file;
- * and what perf_check and calibration_read refuse. With --help or --version nothing is read. */
+/* Reads every text after options_parse. DM2_USAGE that names the option: a malformed number, an unknown
+ * word, operands, an option without the option that it requires, a preset that is neither known nor a
+ * file; and the errors of perf_check and calibration_read. DM2_MEMORY, DM2_IO. With --help or --version
+ * nothing is read. */
 enum dm2_status model_options_finish(struct model_options *o, struct dm2_error *err);
 
 void model_options_free(struct model_options *o);
 
-/* A number that an option needs: finite and above 0. DM2_USAGE. */
+/* Reads the number of the option `name`: finite and above 0. DM2_USAGE. */
 enum dm2_status model_option_number(const char *name, const char *text, double *out, struct dm2_error *err);
 
-/* Flushes standard output. DM2_IO where not everything could be written. */
+/* Flushes standard output. DM2_IO where not all output could be written. */
 enum dm2_status model_output_end(struct dm2_error *err);
 
 #endif

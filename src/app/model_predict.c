@@ -1,5 +1,5 @@
-/* dm2-model predict. All rows are computed before the first is printed: an error leaves standard output
- * empty. */
+/* dm2-model predict. All rows are computed before the first is printed, so that an error leaves standard
+ * output empty. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -62,7 +62,7 @@ static void print_table(const struct perf *p, const struct prediction *rows, siz
     print_notes(rows, count);
 }
 
-static enum dm2_status run(const struct model_options *o, struct dm2_error *err)
+static enum dm2_status run_prediction(const struct model_options *o, struct dm2_error *err)
 {
     const int *servers = o->servers_count > 0 ? o->servers : PAPER_SERVERS;
     size_t n_servers =
@@ -101,7 +101,7 @@ enum dm2_status model_predict_command(const char *argv0, int argc, char **argv, 
     } else if (status == DM2_OK && o.version) {
         (void)printf("dm2-model %s\n", DM2_VERSION);
     } else if (status == DM2_OK) {
-        status = run(&o, err);
+        status = run_prediction(&o, err);
     }
     model_options_free(&o);
     return status;

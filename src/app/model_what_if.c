@@ -1,8 +1,9 @@
 /* dm2-model what-if: the paper's Fig. 17 and the questions that follow from it.
  *
- * A case is a change of processors or network; three tables put the same cases side by side: the speedup at a
- * number of servers, the size from which servers pay, the best number of servers. On the paper's 10BaseT a
- * network 10 and 100 times as fast is Fast and Gigabit Ethernet. */
+ * A case is a change of processors or network. Three tables show the same cases: the speedup at a number
+ * of servers, the size from which servers take less time than one processor, and the best number of
+ * servers. Relative to the paper's 10BaseT, networks 10 and 100 times as fast are Fast and Gigabit
+ * Ethernet. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,8 +28,8 @@ struct what_if {
     struct what_if_case cases[CASES_MAX];
     size_t n_cases;
     const double *n;
-    const int *speedup_servers, *servers; /* for the speedups, and for the break-even */
-    size_t n_n, n_speedup_servers, n_servers;
+    const int *speedup_servers, *servers;     /* of the speedups; of the break-even */
+    size_t n_n, n_speedup_servers, n_servers; /* lengths of the three lists */
 };
 
 static const double PAPER_SIZES[] = {1689, 5000, 10000, 20000, 50000, 100000, 200000};
@@ -136,7 +137,7 @@ static enum dm2_status speedup_table(const struct what_if *w, struct dm2_error *
     return status;
 }
 
-/* --- break even --- */
+/* --- break-even --- */
 
 static enum dm2_status break_even_row(const struct what_if *w, const struct what_if_case *c,
                                       struct dm2_error *err)
@@ -256,8 +257,8 @@ static enum dm2_status print_tables(const struct what_if *w, struct dm2_error *e
     return status;
 }
 
-/* Everything that the tables could refuse, before the first line is printed. */
-static enum dm2_status rehearse(const struct what_if *w, struct dm2_error *err)
+/* Computes the speedups once without printing, so that a refusal comes before the first line of output. */
+static enum dm2_status check_tables(const struct what_if *w, struct dm2_error *err)
 {
     enum dm2_status status = DM2_OK;
     struct prediction p;
@@ -273,7 +274,7 @@ static enum dm2_status rehearse(const struct what_if *w, struct dm2_error *err)
     return status;
 }
 
-static enum dm2_status run(struct what_if *w, struct dm2_error *err)
+static enum dm2_status run_what_if(struct what_if *w, struct dm2_error *err)
 {
     const struct model_options *o = &w->model;
     bool sizes = o->n_count > 0, servers = o->servers_count > 0;
@@ -285,7 +286,7 @@ static enum dm2_status run(struct what_if *w, struct dm2_error *err)
     w->n_speedup_servers = servers ? o->servers_count : 1;
     enum dm2_status status = add_cases(w, err);
     if (status == DM2_OK)
-        status = rehearse(w, err);
+        status = check_tables(w, err);
     if (status == DM2_OK)
         status = print_tables(w, err);
     return status == DM2_OK ? model_output_end(err) : status;
@@ -315,7 +316,7 @@ enum dm2_status model_what_if_command(const char *argv0, int argc, char **argv, 
     } else if (status == DM2_OK && w.model.version) {
         (void)printf("dm2-model %s\n", DM2_VERSION);
     } else if (status == DM2_OK) {
-        status = run(&w, err);
+        status = run_what_if(&w, err);
     }
     model_options_free(&w.model);
     return status;

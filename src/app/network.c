@@ -1,8 +1,8 @@
-/* Measuring the network.
+/* Measures the network.
  *
- * Each size takes its turn, so that a disturbance that lasts meets all of them, and the median over the turns
- * is what counts: one message that was held up says nothing about the others. The first turn, which finds
- * caches and congestion windows cold, is left out where there are enough. */
+ * The sizes take turns, so that a lasting disturbance affects all of them, and the result is the median
+ * over the turns, because one delayed message tells nothing about the others. The first turn, with cold
+ * caches and congestion windows, is left out where more than three turns are done. */
 #include "network.h"
 
 #include <math.h>
@@ -40,7 +40,7 @@ void network_probe_free(struct network_probe *probe)
     *probe = (struct network_probe){0};
 }
 
-static int compare(const void *a, const void *b)
+static int compare_doubles(const void *a, const void *b)
 {
     double x = *(const double *)a, y = *(const double *)b;
     return x < y ? -1 : x > y;
@@ -52,7 +52,7 @@ static double median_of(const struct client_echo *e, int size)
     int first = e->done > 3 ? 1 : 0, n = 0;
     for (int turn = first; turn < e->done && n < NETWORK_TURNS; turn++)
         values[n++] = e->seconds[turn * e->sizes + size];
-    qsort(values, (size_t)n, sizeof values[0], compare);
+    qsort(values, (size_t)n, sizeof values[0], compare_doubles);
     return n == 0 ? 0 : 0.5 * (values[n / 2] + values[(n - 1) / 2]);
 }
 

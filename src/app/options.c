@@ -1,4 +1,4 @@
-/* One table says everything about a program's options: the parser and the help both read it. */
+/* One table describes a program's options for both the parser and the help. */
 #include "options.h"
 
 #include <stdbool.h>
@@ -9,7 +9,7 @@
 #include "dm2/base/number.h"
 #include "dm2/base/words.h"
 
-/* The table, and where in the command line the parser is. */
+/* The table, and the position in the command line. */
 struct parser {
     const struct option *table;
     size_t n;
@@ -38,7 +38,8 @@ static const char *name_at(const void *context, size_t index)
     return ((const struct parser *)context)->table[index].name;
 }
 
-static enum dm2_status unknown(const struct parser *p, const char *word, size_t length, struct dm2_error *err)
+static enum dm2_status fail_unknown_option(const struct parser *p, const char *word, size_t length,
+                                           struct dm2_error *err)
 {
     struct word_list known = {.context = p, .name = name_at, .n = p->n};
     struct word_hint hint;
@@ -85,9 +86,9 @@ static enum dm2_status set_value(const struct option *o, const char *value, stru
     return DM2_OK;
 }
 
-/* The option's value: what is attached to it, or the next argument. */
-static enum dm2_status take(struct parser *p, const struct option *o, const char *attached,
-                            struct dm2_error *err)
+/* Sets the option from the text attached to its name, or else from the next argument. */
+static enum dm2_status take_value(struct parser *p, const struct option *o, const char *attached,
+                                  struct dm2_error *err)
 {
     if (o->kind == OPTION_FLAG || attached != NULL)
         return set_value(o, attached, err);
@@ -106,9 +107,9 @@ static enum dm2_status parse_long(struct parser *p, const char *word, struct dm2
             continue;
         if (o->kind == OPTION_FLAG && attached != NULL)
             return dm2_fail(err, DM2_USAGE, "--%s takes no value", o->name);
-        return take(p, o, attached, err);
+        return take_value(p, o, attached, err);
     }
-    return unknown(p, word, length, err);
+    return fail_unknown_option(p, word, length, err);
 }
 
 static enum dm2_status parse_letters(struct parser *p, const char *word, struct dm2_error *err)
@@ -120,7 +121,7 @@ static enum dm2_status parse_letters(struct parser *p, const char *word, struct 
         if (k == p->n)
             return dm2_fail(err, DM2_USAGE, "the option -%c is not known; --help lists them", *c);
         bool last = p->table[k].kind != OPTION_FLAG || c[1] == '\0';
-        enum dm2_status status = take(p, &p->table[k], last && c[1] != '\0' ? c + 1 : NULL, err);
+        enum dm2_status status = take_value(p, &p->table[k], last && c[1] != '\0' ? c + 1 : NULL, err);
         if (status != DM2_OK || last)
             return status;
     }

@@ -1,5 +1,5 @@
-/* Command lines by table: `--name value`, `--name=value`, `-l value`, `-lvalue`, flags together (`-qv`), `--`
- * before operands that start with a dash. */
+/* Command lines by table: `--name value`, `--name=value`, `-l value`, `-lvalue`, several flags in one word
+ * (`-qv`), `--` before operands that start with a dash. */
 #ifndef DM2_APP_OPTIONS_H
 #define DM2_APP_OPTIONS_H
 
@@ -14,7 +14,7 @@ enum option_kind {
     OPTION_TEXT,    /* target: const char * */
     OPTION_INTEGER, /* target: int64_t, from `least` to `most` */
     OPTION_SECONDS, /* target: double, above 0 */
-    OPTION_LIST     /* target: struct option_list; may be given again and again */
+    OPTION_LIST     /* target: struct option_list; may be repeated */
 };
 
 struct option_list {
@@ -23,7 +23,7 @@ struct option_list {
 };
 
 struct option {
-    const char *name; /* long, without its dashes */
+    const char *name; /* the long name without dashes */
     char letter;      /* 0: none */
     enum option_kind kind;
     void *target;
@@ -32,12 +32,13 @@ struct option {
     int64_t least, most;  /* of an integer */
 };
 
-/* Reads the command line after argv[0]; what is not an option goes to *operands. DM2_USAGE: an unknown option
- * (with the nearest known one), a missing or impossible value, a value for a flag. DM2_MEMORY. */
+/* Reads the command line after argv[0]; words that are not options are appended to *operands, also before
+ * a failure. DM2_USAGE: an unknown option (with the nearest known one), a missing or impossible value, a
+ * value for a flag. DM2_MEMORY. */
 enum dm2_status options_parse(const struct option *table, size_t n, int argc, char **argv,
                               struct option_list *operands, struct dm2_error *err);
 
-/* Adds an item. DM2_MEMORY. */
+/* Appends an item, which is borrowed. DM2_MEMORY. */
 enum dm2_status option_list_add(struct option_list *list, const char *item, struct dm2_error *err);
 void option_list_free(struct option_list *list);
 

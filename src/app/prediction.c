@@ -1,7 +1,7 @@
-/* What the model says about a run, in words. Every run has its line: with the constants of a calibration file
- * where there is one, else with what can be learned from the run itself, and then it says so: such an
- * estimate takes T_seq from the very times that it is compared with, so it tells about communication and
- * balance, not about computing. */
+/* Puts the model's prediction of a run into words. Every run has a prediction: with the constants of a
+ * calibration file where there is one, else with constants learned from the run itself; the text names
+ * their origin. An estimate of the latter kind takes T_seq from the same times with which it is compared, so
+ * the comparison tells about communication and balance, not about computing. */
 #include "prediction.h"
 
 #include <math.h>
@@ -14,7 +14,7 @@
 #include "dm2/base/version.h"
 #include "dm2/cluster/wire.h"
 
-/* An element that moves takes its pairs along: six on a hexagonal lattice. */
+/* Bytes of a migrating element, which takes its pairs along: six on a hexagonal lattice. */
 enum { MIGRANT_BYTES = WIRE_ELEMENT + 6 * WIRE_PAIR };
 
 enum dm2_status prediction_calibration(const char *option, struct calibration *out,
@@ -38,7 +38,7 @@ enum dm2_status prediction_calibration(const char *option, struct calibration *o
     return DM2_OK;
 }
 
-static double cells_of(const struct run_report *r)
+static double sum_cells(const struct run_report *r)
 {
     double cells = 0;
     for (int k = 0; k < r->ranks; k++)
@@ -46,14 +46,15 @@ static double cells_of(const struct run_report *r)
     return cells;
 }
 
-/* That the servers have together; `cores` of the machine that all are on, 0 where each has its own. */
-static int processors_of(const struct run_report *r, int cores)
+/* The processors that the servers have together. `cores`: of the machine that all servers are on; 0 where
+ * each server has its own machine. */
+static int count_processors(const struct run_report *r, int cores)
 {
     return cores > 0 && cores < r->ranks ? cores : r->ranks;
 }
 
-/* Has the client a processor that no server computes on? */
-static bool has_own(const struct run_report *r, int cores)
+/* Whether the client has a processor that no server computes on. */
+static bool has_own_processor(const struct run_report *r, int cores)
 {
     return cores == 0 || cores > r->ranks;
 }
@@ -62,9 +63,9 @@ void prediction_calibrated(const struct calibration *c, const char *path, const 
                            int cores, struct prediction_basis *out)
 {
     struct perf p = c->perf;
-    double n = (double)r->elements, cells = cells_of(r);
-    int processors = processors_of(r, cores), busy = cores > 0 ? processors : 1;
-    *out = (struct prediction_basis){.processors = processors, .apart = has_own(r, cores)};
+    double n = (double)r->elements, cells = sum_cells(r);
+    int processors = count_processors(r, cores), busy = cores > 0 ? processors : 1;
+    *out = (struct prediction_basis){.processors = processors, .apart = has_own_processor(r, cores)};
     p.k = perf_k_at(&c->perf, n, 1, cores);
     out->t_seq = perf_t_seq_cells(&p, n, cells);
     p.k = perf_k_at(&c->perf, n / processors, busy, cores);
@@ -77,8 +78,10 @@ void prediction_calibrated(const struct calibration *c, const char *path, const 
 void prediction_estimated(const struct network_line *line, const struct run_report *r, int cores,
                           struct prediction_basis *out)
 {
-    *out = (struct prediction_basis){
-        .m = line->m, .b = line->b, .processors = processors_of(r, cores), .apart = has_own(r, cores)};
+    *out = (struct prediction_basis){.m = line->m,
+                                     .b = line->b,
+                                     .processors = count_processors(r, cores),
+                                     .apart = has_own_processor(r, cores)};
     for (int k = 0; k < r->ranks; k++) {
         const struct server_times *t = &r->servers[k].times;
         double computing = t->forces + t->integrate + t->rebuild;

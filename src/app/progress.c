@@ -1,4 +1,4 @@
-/* A terminal gets one line that is written over, anything else a line per second. */
+/* A terminal gets one line that is overwritten; other outputs get at most a line per second. */
 #include "progress.h"
 
 #include <stdio.h>

@@ -14,17 +14,18 @@ struct progress {
     int64_t steps;
     size_t elements;
     double start, shown; /* clock_now() at the start of the steps and at the last line */
-    size_t width;        /* of the line on the terminal */
+    size_t width;        /* columns of the newest line */
 };
 
-/* `auto` shows it on a terminal; `always` prints plain lines elsewhere. */
+/* Starts the live line of a run of `steps` steps: PROGRESS_AUTO shows it on a terminal only,
+ * PROGRESS_ALWAYS prints plain lines to other outputs. */
 void progress_start(struct progress *p, enum progress_mode mode, int64_t steps, size_t elements);
 
-/* After a step: prints at most five times a second on a terminal, once a second elsewhere, and after the last
- * step. `slowest` names a server, or is NULL. */
+/* Reports a step: prints at most five times a second on a terminal, once a second elsewhere, and after the
+ * last step. `slowest` names a server, or is NULL. */
 void progress_step(struct progress *p, int64_t step, const char *slowest);
 
-/* Leaves the line, so that other text can follow. */
+/* Ends the line, so that other text can follow. */
 void progress_end(struct progress *p);
 
 #endif

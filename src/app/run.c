@@ -1,4 +1,4 @@
-/* The part of dm2-seq and dm2-client that a user sees the same in both. */
+/* The part of dm2-seq and dm2-client that a user sees alike in both. */
 #include "run.h"
 
 #include <stdlib.h>
@@ -83,7 +83,7 @@ static char *copy_text(const char *text)
     return copy;
 }
 
-/* The command line's changes become part of the source. */
+/* Adds -D and --steps to the source of the deck. */
 static enum dm2_status add_changes(const struct run_options *o, struct deck_source *source,
                                    struct dm2_error *err)
 {
@@ -133,7 +133,8 @@ static enum dm2_status read_state(const char *path, const struct run *run, struc
     return status;
 }
 
-/* The state of --restart; where that cannot be used, the one before it is offered. */
+/* Reads the state of --restart. Where that state cannot be used, the message offers the previous
+ * checkpoint. */
 static enum dm2_status read_restart(const struct run_options *o, struct run *run, struct dm2_error *err)
 {
     static const char name[] = "checkpoint.dm2";
@@ -157,7 +158,8 @@ static enum dm2_status read_restart(const struct run_options *o, struct run *run
     return dm2_fail(err, status, "%s", why.text);
 }
 
-/* What the deck is refused for when its elements are made is told as all else that is wrong with it. */
+/* Builds the model. The error of a deck whose elements cannot be made is printed like the deck's other
+ * findings. */
 static enum dm2_status build_model(const struct run_options *o, struct run *run, struct dm2_error *err)
 {
     enum dm2_status status = model_build(&run->config, &run->model, err);
@@ -173,7 +175,7 @@ enum dm2_status run_load(const struct run_options *o, struct run *run, struct dm
     *run = (struct run){0};
     enum dm2_status status = deck_source_read(o->deck, &run->source, err);
     if (status == DM2_IO)
-        err->status = status = DM2_DECK; /* a deck that cannot be read is a wrong deck */
+        err->status = status = DM2_DECK; /* an unreadable deck is a wrong deck */
     if (status != DM2_OK)
         return status;
     status = add_changes(o, &run->source, err);
@@ -216,9 +218,9 @@ static char *directory_of(const char *path)
     return directory;
 }
 
-/* A run that goes on from the previous checkpoint, because the last one is of no use, takes it for its last:
- * the next one would push the useless one in its place, and until then nothing good would have the name that
- * messages give. */
+/* Renames checkpoint.prev.dm2 to checkpoint.dm2 where the run continues from the former, because the
+ * newest checkpoint was of no use: the next checkpoint would replace the good one by the useless one, and
+ * until then the name that messages give would belong to the useless file. */
 static enum dm2_status promote_checkpoint(const char *restart, const char *directory, struct dm2_error *err)
 {
     const char *slash = strrchr(restart, '/');
@@ -260,7 +262,7 @@ int64_t run_checkpoint_every(const struct run_options *o, const struct run *run)
     return o->checkpoint_every >= 0 ? o->checkpoint_every : run->config.output.checkpoint_every;
 }
 
-/* A word as a shell reads it back. */
+/* Prints a word in the form that a shell reads back. */
 static void print_quoted(FILE *to, const char *word)
 {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./=:,+@%";
@@ -277,7 +279,7 @@ static void print_quoted(FILE *to, const char *word)
     (void)fputc('\'', to);
 }
 
-/* The number of words that name what the run began from, at `word`: they are left out. */
+/* The number of words at `word` that choose the start of the run and are left out of the new command line. */
 static int words_of_restart(const char *word)
 {
     return strcmp(word, "--restart") == 0
@@ -307,7 +309,7 @@ void run_print_restart(const struct run_options *o, const struct results *result
     (void)fputc('\n', stderr);
 }
 
-/* Generates one rank's subdomain and tells its size. */
+/* Generates one rank's subdomain and returns its size: elements and bytes. */
 static enum dm2_status measure_rank(const struct run *run, const struct decomposition *d, int rank,
                                     size_t *owned, size_t *mirrored, size_t *bytes, struct dm2_error *err)
 {
@@ -383,7 +385,7 @@ enum dm2_status run_print_check(FILE *to, const struct run_options *o, const str
         length += b.interface_cm;
     }
     (void)fprintf(to, "interfaces %zu cells = %.6g cm in all\n", edges / 2,
-                  length / 2); /* seen from both ends */
+                  length / 2); /* every interface counts at both sides */
     (void)fprintf(to, "memory %.1f MB in all, %.1f MB at most on one server\n", 1e-6 * (double)total,
                   1e-6 * (double)most);
     return DM2_OK;

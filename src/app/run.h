@@ -1,4 +1,4 @@
-/* What dm2-seq and dm2-client have in common: their options, loading the deck, the run directory, --check. */
+/* The common part of dm2-seq and dm2-client: options, loading the deck, the run directory, --check. */
 #ifndef DM2_APP_RUN_H
 #define DM2_APP_RUN_H
 
@@ -19,11 +19,11 @@
 
 struct run_options {
     const char *program;
-    int argc; /* the command line, from which another one is made that continues the run */
+    int argc; /* the command line, which run_print_restart turns into another to continue the run */
     char **argv;
     struct option_list operands; /* the deck */
     const char *deck;
-    const char *directory; /* -o; NULL: from the deck's name */
+    const char *directory; /* -o; NULL: run_directory_default */
     struct option_list defines;
     int64_t steps;            /* -1: as the deck says */
     int64_t hash_every;       /* 0: never */
@@ -36,60 +36,62 @@ struct run_options {
 
 enum { RUN_OPTIONS = 13 };
 
-/* Defaults, and the table of the options above: RUN_OPTIONS entries. A program puts its own before or after
- * them. */
+/* Sets the defaults in *o and writes the entries of the options above to `table`. A program puts its own
+ * entries before or after them. */
 void run_options_start(struct run_options *o, const char *program, int argc, char **argv,
                        struct option table[RUN_OPTIONS]);
 
-/* After options_parse: one deck, a --progress that is known. With --help or --version nothing is checked. */
+/* Checks the options after options_parse: one deck, a known --progress. With --help or --version nothing
+ * is checked. DM2_USAGE. */
 enum dm2_status run_options_finish(struct run_options *o, struct dm2_error *err);
 void run_options_free(struct run_options *o);
 
-/* A deck, loaded. */
+/* A loaded deck. */
 struct run {
     struct deck_source source;
     struct config config;
-    bool loaded; /* config is to be freed */
+    bool loaded; /* config_free is due */
     struct model *model;
     unsigned char digest[SHA256_BYTES];
     bool restarted;
-    struct state state; /* that it continues from */
+    struct state state; /* the state that the run continues from */
 };
 
-/* Reads, checks and builds, and reads the state of --restart: DM2_PROTOCOL or DM2_IO where that cannot be
- * used, with the reason and the checkpoint before it, if that one can.
+/* Reads and checks the deck, builds the model, and reads the state of --restart: DM2_PROTOCOL or DM2_IO
+ * where that state cannot be used, with the reason and the previous checkpoint, if the latter can be used.
  *
- * The deck's findings are printed on standard error (warnings not with --quiet).
- * DM2_DECK and others, with a closing sentence in *err. */
+ * The deck's findings are printed on standard error (warnings not with --quiet). DM2_DECK and others, with
+ * a closing sentence in *err. run_free frees *run, which is empty after a failure. */
 enum dm2_status run_load(const struct run_options *o, struct run *run, struct dm2_error *err);
 void run_free(struct run *run);
 
-/* Opens the run directory of -o, or the default one: with --restart, that in which the checkpoint lies. */
+/* Opens the run directory of -o, or the default one: with --restart, the directory of the checkpoint. The
+ * errors of results_open and results_continue. */
 enum dm2_status run_open_results(const struct run_options *o, const struct run *run, struct results **out,
                                  struct dm2_error *err);
 
-/* Every how many steps the run writes a checkpoint; 0: never. */
+/* The number of steps between checkpoints of the run; 0: none. */
 int64_t run_checkpoint_every(const struct run_options *o, const struct run *run);
 
-/* Says on standard error how a run that failed can be continued, where there is a checkpoint: its own command
- * line, quoted for a shell, with --restart in place of what it began from. Before results_abort; `results`
- * may be NULL. */
+/* Prints on standard error how a failed run can be continued, where the run has a checkpoint: its own
+ * command line, quoted for a shell, with --restart in place of the options that chose its start. To be
+ * called before results_abort; `results` may be NULL. */
 void run_print_restart(const struct run_options *o, const struct results *results);
 
-/* What --check prints: elements, cells, time step, each subdomain with its elements and interface, memory. It
- * generates every subdomain once, so bodies that overlap are found here too. `server_names` (one per rank)
- * may be NULL. */
+/* Prints the output of --check: elements, cells, time step, each subdomain with its elements and
+ * interface, memory. Every subdomain is generated once, so bodies that overlap are found here too.
+ * `server_names` (one per rank) may be NULL. The errors of subdomain_create and decomposition_boundary. */
 enum dm2_status run_print_check(FILE *to, const struct run_options *o, const struct run *run,
                                 const struct decomposition *d, const char *const *server_names,
                                 struct dm2_error *err);
 
-/* Prints the line of --hash-every, the same in both programs. Hashes are due at step 0, every K steps and the
- * last. */
+/* Prints the line of --hash-every, the same in both programs. Hashes are due at step 0, every K steps, and
+ * at the last step. */
 void run_print_hash(int64_t step, uint64_t hash);
 bool run_hash_due(const struct run_options *o, const struct run *run, int64_t step);
 
 /* Prints a failure on standard error, with a hint at --help for a wrong command line; returns the exit
- * status. */
+ * status of the program. */
 int run_report_failure(const char *program, const struct dm2_error *err);
 
 /* Prints "PROGRAM VERSION". */

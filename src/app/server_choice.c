@@ -1,5 +1,4 @@
-/* Local servers live as long as one measurement: they serve one session. Named ones are left as they are
- * found. */
+/* Local servers are started for each measurement, because they serve one session. Named servers run on. */
 #include "server_choice.h"
 
 #include <stdio.h>
@@ -26,7 +25,7 @@ void server_choice_start(struct server_choice *c, struct option *table)
     memcpy(table, all, sizeof all);
 }
 
-static int compare(const void *a, const void *b)
+static int compare_counts(const void *a, const void *b)
 {
     return *(const int *)a - *(const int *)b;
 }
@@ -58,7 +57,7 @@ static enum dm2_status read_counts(struct server_choice *c, struct dm2_error *er
     for (size_t k = 0; k < sizeof DEFAULT_COUNTS / sizeof DEFAULT_COUNTS[0] && c->counts_texts.n == 0; k++)
         if (c->named.n == 0 || (size_t)DEFAULT_COUNTS[k] <= c->named.n)
             c->counts[c->n_counts++] = DEFAULT_COUNTS[k];
-    qsort(c->counts, (size_t)c->n_counts, sizeof c->counts[0], compare);
+    qsort(c->counts, (size_t)c->n_counts, sizeof c->counts[0], compare_counts);
     int kept = 0;
     for (int k = 0; k < c->n_counts; k++)
         if (kept == 0 || c->counts[k] != c->counts[kept - 1])

@@ -1,6 +1,6 @@
-/* Up or not, busy with whom, version, load: what somebody wants to know before he starts a run, or who waits
- * for one. A server that does not answer has the reason in its line, and the others are asked all the same.
- */
+/* Up or not, client in session, version, load: the facts that matter before starting a run, or while
+ * waiting for one. The line of a server that does not answer gives the reason, and the remaining servers
+ * are asked all the same. */
 #include "server_status.h"
 
 #include <string.h>
@@ -8,8 +8,8 @@
 
 #include "dm2/cluster/inquiry.h"
 
-/* "busy with ADDR since TIME: rank 0 of 2 of DECK, step 7; 1 waits" */
-static void print_business(FILE *to, const struct report_message *m)
+/* Prints "busy with ADDR since TIME: rank 0 of 2 of DECK, step 7". */
+static void print_session(FILE *to, const struct report_message *m)
 {
     char since[32] = "";
     time_t start = time(NULL) - (time_t)m->seconds;
@@ -24,7 +24,7 @@ static void print_business(FILE *to, const struct report_message *m)
 static void print_report(FILE *to, const struct report_message *m)
 {
     if (m->busy)
-        print_business(to, m);
+        print_session(to, m);
     else
         (void)fputs("free", to);
     if (m->waiting > 0)

@@ -1,5 +1,5 @@
-/* The self-pipe: a handler may do little more than write a byte, and poll can wait for that byte beside
- * everything else, so that no signal is missed between a look at a flag and the wait that follows. */
+/* The self-pipe: the handler writes a byte, for which poll waits together with other descriptors, so that
+ * no signal is missed between testing a flag and the wait that follows. */
 #include "signals.h"
 
 #include <errno.h>
@@ -18,15 +18,16 @@ static void on_signal(int signal_number)
     if (caught == 0) {
         caught = signal_number;
         ssize_t ignored = write((int)wake, "", 1);
-        (void)ignored; /* a full pipe is readable, too */
+        (void)ignored; /* a full pipe is readable as well */
     } else {
-        (void)signal(signal_number, SIG_DFL); /* asked again: now, as soon as this handler returns */
+        (void)signal(signal_number,
+                     SIG_DFL); /* a second signal ends the program as soon as this handler returns */
         (void)raise(signal_number);
     }
     errno = saved;
 }
 
-static int never_wait(int fd)
+static int set_nonblocking(int fd)
 {
     int flags = fcntl(fd, F_GETFL);
     return flags < 0 || fcntl(fd, F_SETFL, flags | O_NONBLOCK) < 0 || fcntl(fd, F_SETFD, FD_CLOEXEC) < 0;
@@ -46,7 +47,7 @@ int signals_catch(void)
 #endif
     if (pipe(fd) != 0)
         return -1;
-    if (never_wait(fd[0]) || never_wait(fd[1])) {
+    if (set_nonblocking(fd[0]) || set_nonblocking(fd[1])) {
         (void)close(fd[0]);
         (void)close(fd[1]);
         return -1;

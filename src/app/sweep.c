@@ -1,4 +1,4 @@
-/* Runs for timing are the programs' own runs: nothing that is measured here differs from what a user gets. */
+/* Runs for timing start the programs that users start, so that a measured run is a user's run. */
 #include "sweep.h"
 
 #include <stdio.h>
@@ -85,7 +85,7 @@ void sweep_free(struct sweep *s)
 
 /* --- running --- */
 
-/* What tells the client where its servers are, added to the command line at `argc`; returns the new argc. */
+/* Adds the options that name the client's servers to the command line at `argc`; returns the new argc. */
 static int add_servers(const struct server_choice *c, int servers, char *count, size_t size,
                        char (*names)[HOST_MAX + 8], char **argv, int argc)
 {
@@ -110,7 +110,7 @@ static int add_servers(const struct server_choice *c, int servers, char *count, 
     return argc;
 }
 
-/* A command line of a run, and the texts that it points to. */
+/* The command line of a run, and the texts that its words point to. */
 struct run_line {
     char directory[SWEEP_PATH], definition[64], steps[32], count[16];
     char *path, **argv;
@@ -124,7 +124,7 @@ static void free_line(struct run_line *l)
     free(l->names);
 }
 
-/* `servers` 0: dm2-seq. line->directory is set. */
+/* Writes the command line; line->directory is set. `servers` 0: of dm2-seq. */
 static enum dm2_status write_line(const struct sweep *s, double n, int servers, struct run_line *line,
                                   struct dm2_error *err)
 {
@@ -149,8 +149,8 @@ static enum dm2_status write_line(const struct sweep *s, double n, int servers, 
     return DM2_OK;
 }
 
-/* What a finished run said; large files are of no use here. */
-static enum dm2_status take_report(const char *directory, struct run_report *out, struct dm2_error *err)
+/* Reads the report of a finished run and deletes its large files, which have no use in a sweep. */
+static enum dm2_status read_report(const char *directory, struct run_report *out, struct dm2_error *err)
 {
     static const char *const large[] = {"final.dm2", "history.csv"};
     char path[SWEEP_PATH + 16];
@@ -175,14 +175,14 @@ enum dm2_status sweep_run(const struct sweep *s, double n, int servers, int run,
         return status;
     status = child_run(line.argv, s->cancel, err);
     if (status == DM2_OK)
-        status = take_report(line.directory, out, err);
+        status = read_report(line.directory, out, err);
     free_line(&line);
     return status;
 }
 
 /* --- reading --- */
 
-/* The number behind `label` at the start of a line of the log. */
+/* Reads the number behind `label` at the start of a line of the log. */
 static bool find_number(const char *log, const char *label, double *out)
 {
     size_t length = strlen(label);
@@ -194,7 +194,7 @@ static bool find_number(const char *log, const char *label, double *out)
     return false;
 }
 
-/* The number between two texts. */
+/* Reads the number behind `before` on the first line of the log that contains `line`. */
 static bool find_after(const char *log, const char *line, const char *before, double *out)
 {
     const char *at = strstr(log, line), *end = at == NULL ? NULL : strchr(at, '\n');

@@ -1,4 +1,5 @@
-/* Runs made for their timing: the sweep of the paper's section 7.2, and what finished run directories say. */
+/* Runs made for their timing: the sweep of the paper's section 7.2, and the reports in finished run
+ * directories. */
 #ifndef DM2_APP_SWEEP_H
 #define DM2_APP_SWEEP_H
 
@@ -22,24 +23,24 @@ struct sweep {
     char deck_path[SWEEP_PATH];
 };
 
-/* Writes SWEEP_OPTIONS entries to `table`; clears *s. */
+/* Clears *s and writes SWEEP_OPTIONS entries to `table`. */
 void sweep_start(struct sweep *s, struct option *table);
 
-/* After options_parse: sizes (`sizes` of them at `n` where none are given), and the deck: --deck, or
- * timing.dm2 below the program's ../input or ../share/dm2/input, or ./input. DM2_USAGE. */
+/* Reads the options after options_parse. Sizes: of --n, else n[0 .. sizes). Deck:
+ * --deck, or timing.dm2 below the program's ../input or ../share/dm2/input, or ./input. DM2_USAGE. */
 enum dm2_status sweep_finish(struct sweep *s, const double *n, int sizes, const char *argv0,
                              struct dm2_error *err);
 void sweep_free(struct sweep *s);
 
-/* One run of n elements on `servers` servers (0: dm2-seq), the `run`th; its report is read back into *out,
- * whose servers are malloc'd. The run directory, below s->directory, keeps run.log and timing.csv. DM2_IO,
- * DM2_INTERRUPTED, DM2_MEMORY and what sweep_read fails with. */
+/* Makes one run of n elements on `servers` servers (0: dm2-seq), the `run`th, and reads its report into
+ * *out, whose servers are malloc'd. The run directory, below s->directory, keeps run.log and timing.csv.
+ * DM2_IO, DM2_INTERRUPTED, DM2_MEMORY and the errors of sweep_read. */
 enum dm2_status sweep_run(const struct sweep *s, double n, int servers, int run, struct run_report *out,
                           struct dm2_error *err);
 
-/* The report of a finished run: elements, steps, times, servers with their cells, elements and times;
- * `program` is "dm2-seq" or "dm2-client". DM2_IO; DM2_USAGE where the directory holds no run of this version.
- */
+/* Reads the report of a finished run: elements, steps, times, servers with their cells, elements and
+ * times; `program` is "dm2-seq" or "dm2-client". The caller frees out->servers. DM2_IO, DM2_MEMORY;
+ * DM2_USAGE where the directory holds no run of this version. */
 enum dm2_status sweep_read(const char *directory, struct run_report *out, struct dm2_error *err);
 
 #endif

@@ -1,6 +1,6 @@
-/* Union-find (Galler and Fischer, 1964) with path halving. A root is the lowest index of its tree, whatever
- * the order of the pairs: the higher root is always hung below the lower one. On lattices trees stay flat
- * without ranks. */
+/* Union-find (Galler and Fischer, 1964) with path halving. The root of a tree is its lowest index in any
+ * order of the pairs, because the higher root becomes a child of the lower one. On lattices the trees stay
+ * flat without ranks. */
 #include "fragments.h"
 
 #include <stdlib.h>
@@ -21,7 +21,7 @@ static uint32_t root_of(uint32_t *parent, uint32_t i)
     return i;
 }
 
-static void join(uint32_t *parent, uint32_t i, uint32_t j)
+static void join_trees(uint32_t *parent, uint32_t i, uint32_t j)
 {
     i = root_of(parent, i);
     j = root_of(parent, j);
@@ -31,7 +31,7 @@ static void join(uint32_t *parent, uint32_t i, uint32_t j)
         parent[i] = j;
 }
 
-static int larger_first(const void *a, const void *b)
+static int compare_fragments(const void *a, const void *b)
 {
     const struct fragment *fa = a, *fb = b;
     if (fa->size != fb->size)
@@ -39,8 +39,8 @@ static int larger_first(const void *a, const void *b)
     return fa->root < fb->root ? -1 : fa->root > fb->root;
 }
 
-/* The fragments in the order of their numbers. `size` comes as n zeros and leaves with the number of each
- * root. */
+/* Writes the fragments to `list` in the order of their numbers and returns how many there are. `size` comes
+ * as n zeros and returns with the fragment's number at the index of each root. */
 static size_t number_fragments(uint32_t *parent, size_t n, uint32_t *size, struct fragment *list)
 {
     size_t fragments = 0;
@@ -49,7 +49,7 @@ static size_t number_fragments(uint32_t *parent, size_t n, uint32_t *size, struc
     for (size_t i = 0; i < n; i++)
         if (size[i] > 0)
             list[fragments++] = (struct fragment){(uint32_t)i, size[i]};
-    qsort(list, fragments, sizeof *list, larger_first);
+    qsort(list, fragments, sizeof *list, compare_fragments);
     for (size_t f = 0; f < fragments; f++)
         size[list[f].root] = (uint32_t)f;
     return fragments;
@@ -74,7 +74,7 @@ enum dm2_status fragments_find(const struct element *elements, size_t n_elements
         size_t i = pairs[k].linked == 0 ? n_elements : element_find(elements, n_elements, pairs[k].id_a);
         size_t j = i == n_elements ? n_elements : element_find(elements, n_elements, pairs[k].id_b);
         if (j < n_elements)
-            join(parent, (uint32_t)i, (uint32_t)j);
+            join_trees(parent, (uint32_t)i, (uint32_t)j);
     }
     counts->fragments = number_fragments(parent, n_elements, number, list);
     for (size_t f = 0; f < counts->fragments; f++)

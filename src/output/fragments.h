@@ -9,15 +9,15 @@
 #include "dm2/engine/element.h"
 
 struct fragment_counts {
-    size_t fragments; /* all of them, */
-    size_t single;    /* those of one element, */
-    size_t largest;   /* and the elements of the largest */
+    size_t fragments; /* number of fragments */
+    size_t single;    /* number of fragments of one element */
+    size_t largest;   /* number of elements in the largest fragment */
 };
 
-/* Numbers the fragments from 0, the one with most elements first and of equal ones that with the lowest id,
- * and writes each element's fragment to fragment[0 .. n_elements). Elements in id order; of the pairs, in any
- * order, those that are linked join their elements; one that names an absent element joins nothing. The
- * result depends on which links there are alone. DM2_MEMORY. */
+/* Numbers the fragments from 0, by falling number of elements and, of equally large fragments, by rising
+ * lowest id, and writes each element's fragment to fragment[0 .. n_elements). `elements` in id order; `pairs`
+ * in any order: a linked pair joins its elements, a pair that names an absent element joins nothing. The
+ * result depends on the set of links alone. DM2_MEMORY. */
 enum dm2_status fragments_find(const struct element *elements, size_t n_elements,
                                const struct pair_record *pairs, size_t n_pairs, uint32_t *fragment,
                                struct fragment_counts *counts, struct dm2_error *err);

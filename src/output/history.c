@@ -1,5 +1,5 @@
-/* Columns are written in the order of the tables of names below; numbers are the shortest text that reads
- * back as the same double. */
+/* The columns are in the order of the tables of names below. A number is the shortest text that reads back as
+ * the same double. */
 #include "history.h"
 
 #include <inttypes.h>
@@ -11,7 +11,7 @@
 
 /* --- history.csv --- */
 
-/* Writes a header field, quoted where CSV asks for it. */
+/* Writes the heading of one column, quoted where CSV requires quotes. */
 static void write_heading(struct file_out *f, const char *name, const char *unit)
 {
     char text[128], quoted[256];
@@ -60,15 +60,15 @@ void history_put_heading(struct file_out *f, const struct config *c)
     file_puts(f, "\n");
 }
 
-static void add_number(struct file_out *f, double x)
+static void write_number(struct file_out *f, double x)
 {
     char text[NUMBER_TEXT_MAX + 1] = ",";
     size_t length = number_format(x, text + 1);
     file_write(f, text, length + 1);
 }
 
-/* kinetic + potential + elastic + thermal + chemical + phase - work, without a rounding between. */
-static struct exact_sum conserved(const struct measures *m)
+/* kinetic + potential + elastic + thermal + chemical + phase - work, exact. */
+static struct exact_sum conserved_sum(const struct measures *m)
 {
     struct exact_sum sum = m->work;
     sum.lo = ~sum.lo + 1u;
@@ -85,31 +85,31 @@ static struct exact_sum conserved(const struct measures *m)
 static void write_probe(struct file_out *f, const struct measure_scales *scales,
                         const struct probe_sums *probe)
 {
-    double count = (double)probe->count; /* 0: the mean of nothing prints as nan */
+    double count = (double)probe->count; /* of 0 elements the mean prints as nan */
     for (int a = 0; a < 2; a++)
-        add_number(f, exact_value(&probe->r[a], scales->length) / count);
+        write_number(f, exact_value(&probe->r[a], scales->length) / count);
     for (int a = 0; a < 2; a++)
-        add_number(f, exact_value(&probe->v[a], scales->velocity) / count);
+        write_number(f, exact_value(&probe->v[a], scales->velocity) / count);
 }
 
 enum dm2_status history_put_row(struct file_out *f, const struct config *c,
                                 const struct measure_scales *scales, int64_t step, const struct measures *m,
                                 struct dm2_error *err)
 {
-    struct exact_sum total = conserved(m);
+    struct exact_sum total = conserved_sum(m);
     const struct exact_sum *energies[] = {&m->kinetic,  &m->potential, &m->elastic, &m->thermal,
                                           &m->chemical, &m->phase,     &m->work,    &total};
     file_printf(f, "%" PRId64, step);
-    add_number(f, (double)step * c->dt);
+    write_number(f, (double)step * c->dt);
     for (size_t i = 0; i < sizeof energies / sizeof energies[0]; i++)
-        add_number(f, exact_value(energies[i], scales->energy));
+        write_number(f, exact_value(energies[i], scales->energy));
     for (int a = 0; a < 2; a++)
-        add_number(f, exact_value(&m->momentum[a], scales->momentum));
-    add_number(f, exact_value(&m->angular, scales->momentum));
+        write_number(f, exact_value(&m->momentum[a], scales->momentum));
+    write_number(f, exact_value(&m->angular, scales->momentum));
     file_printf(f, ",%" PRIu64 ",%" PRIu64 ",%" PRIu64, m->elements, m->links, m->contacts);
-    add_number(f, m->t_max);
-    add_number(f, m->p_min);
-    add_number(f, m->p_max);
+    write_number(f, m->t_max);
+    write_number(f, m->p_min);
+    write_number(f, m->p_max);
     for (size_t p = 0; p < c->n_probes; p++)
         write_probe(f, scales, &m->probe[p]);
     file_puts(f, "\n");
@@ -139,13 +139,13 @@ enum dm2_status history_put_profile(struct file_out *f, const struct config *c,
     for (size_t k = 0; k < (size_t)profile->bins; k++) {
         struct profile_means m = profile_means(&bins[k], profile, c, scales);
         file_printf(f, "%" PRId64, step);
-        add_number(f, (double)step * c->dt);
-        add_number(f, profile_centre(profile, k));
+        write_number(f, (double)step * c->dt);
+        write_number(f, profile_centre(profile, k));
         file_printf(f, ",%" PRIu64, bins[k].elements);
         const double means[] = {m.density,   m.velocity[0], m.velocity[1], m.stress[0],
                                 m.stress[1], m.stress[2],   m.temperature};
         for (size_t i = 0; i < sizeof means / sizeof means[0]; i++)
-            add_number(f, means[i]);
+            write_number(f, means[i]);
         file_puts(f, "\n");
     }
     return file_flush(f, err);
@@ -162,7 +162,7 @@ enum dm2_status history_put_fragments(struct file_out *f, const struct config *c
                                       const struct fragment_counts *counts, struct dm2_error *err)
 {
     file_printf(f, "%" PRId64, step);
-    add_number(f, (double)step * c->dt);
+    write_number(f, (double)step * c->dt);
     file_printf(f, ",%zu,%zu,%zu\n", counts->fragments, counts->single, counts->largest);
     return file_flush(f, err);
 }

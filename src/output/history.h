@@ -32,7 +32,7 @@ enum dm2_status history_put_row(struct file_out *f, const struct config *c,
 /* The heading of a profile's table. */
 void history_put_profile_heading(struct file_out *f, const struct profile_config *c);
 
-/* The rows of one step, one per bin, in the table of c->profiles[which]; `bins` has one sum per bin. */
+/* The rows of one step in the table of c->profiles[which], one per bin; `bins` has one sum per bin. */
 enum dm2_status history_put_profile(struct file_out *f, const struct config *c,
                                     const struct measure_scales *scales, size_t which, int64_t step,
                                     const struct profile_bin *bins, struct dm2_error *err);

@@ -1,10 +1,7 @@
-/* The run directory.
+/* The files of a run, in the order in which a run writes them.
  *
- * It holds a few tables, history.csv.part among them, that grow by some rows per measured step and are
- * renamed at the very end; everything else is written and renamed in one go. The list `known_files` is what a
- * run may leave behind: `overwrite` removes these and nothing else, so that a directory never mixes two runs.
- * Each row is handed to the system at once: somebody may be watching, and a full disk should stop the run
- * now. */
+ * The tables grow by rows and are renamed at the end of the run; every other file is written and renamed at
+ * once. */
 #include "dm2/output/results.h"
 
 #include <assert.h>
@@ -25,15 +22,14 @@
 
 struct results {
     char *directory;
-    bool made_directory, made_snapshots;
+    bool made_directory, made_snapshots; /* by this run */
     const struct config *config;
     struct measure_scales scales;
     uint8_t digest[RESULTS_DIGEST_BYTES];
     struct history_tables tables;
-    int64_t history_step, snapshot_step,
-        profile_step[PROFILE_MAX]; /* the newest that are written; -1: none */
-    int64_t checkpoint_step;       /* of the newest one; -1: none */
-    struct snapshot_steps series;  /* those written, for the series file */
+    /* The newest steps that are written; -1: none. */
+    int64_t history_step, snapshot_step, profile_step[PROFILE_MAX], checkpoint_step;
+    struct snapshot_steps series; /* the snapshots that are written, for series.pvd */
 };
 
 const char *results_directory(const struct results *r)
@@ -78,8 +74,8 @@ enum dm2_status results_profile(struct results *r, size_t which, int64_t step, c
 
 /* --- states --- */
 
-static enum dm2_status write_one(const char *directory, const char *suffix, const struct snapshot *s,
-                                 struct dm2_error *err)
+static enum dm2_status write_snapshot_file(const char *directory, const char *suffix,
+                                           const struct snapshot *s, struct dm2_error *err)
 {
     char name[SNAPSHOT_NAME_MAX];
     snapshot_file_name(s->step, suffix, name);
@@ -109,7 +105,7 @@ static enum dm2_status write_series(struct results *r, const char *directory, in
     return status;
 }
 
-/* Adds a row to fragments.csv. */
+/* Adds a row to fragments.csv, which its first row creates. */
 static enum dm2_status write_fragments(struct results *r, int64_t step, const struct fragment_counts *counts,
                                        struct dm2_error *err)
 {
@@ -134,12 +130,12 @@ static enum dm2_status write_snapshot(struct results *r, const struct snapshot *
     enum dm2_status status = file_make_directory(directory, &made, err);
     r->made_snapshots |= made;
     if (status == DM2_OK && r->config->output.vtp) {
-        status = write_one(directory, "vtp", s, err);
+        status = write_snapshot_file(directory, "vtp", s, err);
         if (status == DM2_OK)
             status = write_series(r, directory, s->step, err);
     }
     if (status == DM2_OK && r->config->output.xyz)
-        status = write_one(directory, "xyz", s, err);
+        status = write_snapshot_file(directory, "xyz", s, err);
     free(directory);
     return status;
 }
@@ -167,7 +163,7 @@ enum dm2_status results_snapshot(struct results *r, int64_t step, const struct e
     return status;
 }
 
-/* The state as one of this run. */
+/* Writes the state with this run's digest. */
 static enum dm2_status write_state(const struct results *r, const char *path, const struct state_view *state,
                                    struct dm2_error *err)
 {
@@ -198,7 +194,7 @@ enum dm2_status results_text(struct results *r, const char *name, const char *te
     return status;
 }
 
-/* --- begin and end --- */
+/* --- the begin --- */
 
 static void free_results(struct results *r)
 {
@@ -207,10 +203,11 @@ static void free_results(struct results *r)
     free(r);
 }
 
-/* An object for the run, without its directory. */
-static enum dm2_status start(const char *directory, const struct config *config, struct measure_scales scales,
-                             const uint8_t digest[RESULTS_DIGEST_BYTES], struct results **out,
-                             struct dm2_error *err)
+/* Allocates *out for the run and touches no file. */
+static enum dm2_status create_results(const char *directory, const struct config *config,
+                                      struct measure_scales scales,
+                                      const uint8_t digest[RESULTS_DIGEST_BYTES], struct results **out,
+                                      struct dm2_error *err)
 {
     *out = NULL;
     if (directory[0] == '\0')
@@ -238,7 +235,7 @@ enum dm2_status results_open(const char *directory, bool overwrite, const struct
                              struct results **out, struct dm2_error *err)
 {
     struct results *r;
-    enum dm2_status status = start(directory, config, scales, digest, &r, err);
+    enum dm2_status status = create_results(directory, config, scales, digest, &r, err);
     *out = NULL;
     if (status != DM2_OK)
         return status;
@@ -263,15 +260,13 @@ enum dm2_status results_open(const char *directory, bool overwrite, const struct
     return DM2_OK;
 }
 
-/* --- checkpoints --- */
-
 enum dm2_status results_continue(const char *directory, bool overwrite, const char *source, int64_t step,
                                  const struct config *config, struct measure_scales scales,
                                  const uint8_t digest[RESULTS_DIGEST_BYTES], struct results **out,
                                  struct dm2_error *err)
 {
     struct results *r;
-    enum dm2_status status = start(directory, config, scales, digest, &r, err);
+    enum dm2_status status = create_results(directory, config, scales, digest, &r, err);
     *out = NULL;
     if (status != DM2_OK)
         return status;
@@ -294,6 +289,8 @@ enum dm2_status results_continue(const char *directory, bool overwrite, const ch
     *out = r;
     return DM2_OK;
 }
+
+/* --- checkpoints --- */
 
 int64_t results_checkpoint_step(const struct results *r)
 {
@@ -336,7 +333,7 @@ enum dm2_status results_checkpoint(struct results *r, const struct state_view *s
 enum dm2_status results_close(struct results *r, struct dm2_error *err)
 {
     enum dm2_status status =
-        file_flush(&r->tables.history, err); /* a failure of old gives no table its name */
+        file_flush(&r->tables.history, err); /* after an earlier failure no table gets its name */
     for (size_t k = 0; status == DM2_OK && k < r->config->n_profiles; k++)
         status = file_commit(&r->tables.profiles[k], err);
     if (status == DM2_OK && r->tables.fragments.path != NULL)
@@ -361,7 +358,7 @@ void results_abort(struct results *r)
         leave(&r->tables.profiles[k]);
     char *snapshots = text_join(r->directory, "/", run_directory_snapshots);
     if (snapshots != NULL && r->made_snapshots)
-        (void)rmdir(snapshots); /* both fail where something complete is inside, as they should */
+        (void)rmdir(snapshots); /* both rmdir fail on a directory that holds complete files, as they should */
     free(snapshots);
     if (r->made_directory)
         (void)rmdir(r->directory);

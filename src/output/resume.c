@@ -1,6 +1,7 @@
-/* The steps that must have rows follow from the deck, so the table is compared with them line by line: a row
- * that is missing, cut short, of another step or there twice is found, wherever it is. What follows the last
- * row that is due before the checkpoint was written after it, and will be written again. */
+/* The deck determines the steps that have rows, so the table is compared with these steps line by line: a row
+ * that is missing, cut short, of another step or doubled is found anywhere in the table. The text behind the
+ * last row that is due before the checkpoint was written after the checkpoint, and the continued run writes
+ * these rows again. */
 #include "resume.h"
 
 #include <inttypes.h>
@@ -18,7 +19,7 @@
 
 /* --- which rows are kept --- */
 
-/* The length of the line at text[0..n) with its newline; 0 where it has none. */
+/* The length of the first line of text[0..n) with its newline; 0 where the text has no newline. */
 static size_t line_length(const unsigned char *text, size_t n)
 {
     const unsigned char *end = memchr(text, '\n', n);
@@ -86,8 +87,8 @@ static bool profile_due(const void *context, int64_t step)
     return schedule_profile(p->config, p->which, step);
 }
 
-/* Takes one table over from the directory `source`: its .part file, or the file of a run that came to its
- * end. */
+/* Opens one table in `directory` with the rows of the table in `source`: its .part file, or the complete file
+ * of a run that ended. */
 static enum dm2_status continue_table(const char *directory, const char *source, bool in_place,
                                       const char *name, const struct resume_plan *plan, struct file_out *f,
                                       struct dm2_error *err)

@@ -1,5 +1,5 @@
-/* The list `known_files`, and the names that is_snapshot_file and is_profile_file accept, are all that a run
- * leaves behind. */
+/* The list `known_files` and the names that is_snapshot_file and is_profile_file accept cover every file that
+ * a run writes. */
 #include "dm2/output/run_directory.h"
 
 #include <dirent.h>
@@ -46,7 +46,7 @@ static bool has_suffix(const char *name, size_t length, const char *suffix)
     return length > n && strcmp(name + length - n, suffix) == 0;
 }
 
-/* Whether a run writes a file of this name, or its temporary one, into `snapshots/`. */
+/* Whether `name` in the directory of the snapshots is a run's file, or the temporary name of such a file. */
 static bool is_snapshot_file(const char *name)
 {
     char base[256];
@@ -65,7 +65,7 @@ static bool is_snapshot_file(const char *name)
     return digits > 0 && 6 + digits + 4 == length;
 }
 
-/* The same for the table of a profile. */
+/* Whether `name` in the run directory is the table of a profile, or the temporary name of such a table. */
 static bool is_profile_file(const char *name)
 {
     static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_";
@@ -90,7 +90,7 @@ static enum dm2_status remove_file(const char *directory, const char *name, cons
     return status;
 }
 
-/* Removes the files of a directory whose names are ours. */
+/* Removes the files of a directory whose names `ours` accepts. An absent directory is empty. */
 static enum dm2_status remove_files(const char *path, bool (*ours)(const char *name), struct dm2_error *err)
 {
     DIR *dir = opendir(path);
@@ -112,7 +112,7 @@ static enum dm2_status remove_snapshots(const char *directory, struct dm2_error 
     if (path == NULL)
         return run_directory_no_memory(err);
     enum dm2_status status = remove_files(path, is_snapshot_file, err);
-    (void)rmdir(path); /* stays where it holds what is not ours */
+    (void)rmdir(path); /* a directory with files of other origin stays */
     free(path);
     return status;
 }
@@ -132,7 +132,7 @@ static enum dm2_status remove_earlier_run(const char *directory, struct dm2_erro
 
 /* --- preparing --- */
 
-/* Makes the directory and its parents. *made: the last of them was not there. */
+/* Makes the directory and its parents. *made: the last of them did not exist. */
 static enum dm2_status make_directories(const char *directory, bool *made, struct dm2_error *err)
 {
     char *path = text_join(directory, "", "");
@@ -148,7 +148,7 @@ static enum dm2_status make_directories(const char *directory, bool *made, struc
         status = file_make_directory(path, made, err);
         *at = after;
         if (after == '/' && at[strspn(at, "/")] == '\0')
-            break; /* slashes at the end */
+            break; /* only slashes are left */
     }
     free(path);
     return status;

@@ -1,13 +1,13 @@
 /* Snapshot writers.
  *
- * One table lists what a file says of each element; both formats walk it. VTK's XML wants array after array,
- * so the .vtp writer passes over the elements once per array and streams the values through a base64 encoder,
- * 3072 bytes at a time, straight into the file's buffer: no copy of the state is ever made.
+ * The table `fields` lists the values of each element, and both formats loop over it. VTK's XML requires
+ * array after array, so the .vtp writer passes over the elements once per array and sends the values through
+ * a base64 encoder, 3072 bytes at a time, into the file's buffer: the state is never copied.
  *
  * VTK facts that are easy to get wrong: an inline binary array is one base64 stream of a UInt64 byte count
  * followed by the values (VTKFile version 1.0 with header_type); an array of strings is an <Array>, and in
  * ascii its characters are numbers with a 0 after each string. OVITO maps the XYZ columns species, pos, id,
- * radius and velo to its own properties; others become properties of the name they have. */
+ * radius and velo to its own properties; other columns become properties of the same name. */
 #include "snapshot.h"
 
 #include <inttypes.h>
@@ -19,7 +19,7 @@
 #include "dm2/base/file.h"
 #include "dm2/base/number.h"
 
-/* --- what is written of each element --- */
+/* --- the fields of an element --- */
 
 enum number_type { TYPE_U16, TYPE_U32, TYPE_I32, TYPE_I64, TYPE_F64 };
 
@@ -32,7 +32,7 @@ static const struct {
 
 struct field {
     const char *name;
-    const char *xyz_name; /* NULL: the components' names make columns of their own */
+    const char *xyz_name; /* NULL: one column per component, named NAME_COMPONENT */
     enum number_type type;
     int components;
     const char *component[3]; /* names, NULL: none */
@@ -100,7 +100,7 @@ static void get_stress(const struct snapshot *s, size_t i, double out[3])
     memcpy(out, s->measured[i].stress, sizeof s->measured[i].stress);
 }
 
-/* Which phase of its material: 0 the first, then in deck order. */
+/* The index of the element's phase among the phases of its material: 0 the first, then in deck order. */
 static void get_phase(const struct snapshot *s, size_t i, double out[3])
 {
     const struct config *c = s->config;
@@ -147,7 +147,8 @@ static void get_bonds(const struct snapshot *s, size_t i, double out[3])
     out[0] = s->elements[i].bonds;
 }
 
-/* 1 - links/bonds; links that formed on the way may make up for broken ones, but not for more. */
+/* 1 - links/bonds, at least 0: links that formed during the run make up for broken ones, but damage is not
+ * negative. */
 static void get_damage(const struct snapshot *s, size_t i, double out[3])
 {
     double bonds = s->elements[i].bonds, links = s->measured[i].links;
@@ -238,7 +239,8 @@ static void base64_flush(struct base64 *b)
     b->used = 0;
 }
 
-/* Appends the low `bytes` bytes, the lowest first. RAW_BYTES is a multiple of every width up to 8. */
+/* Appends the low `bytes` bytes of `bits`, the lowest first. RAW_BYTES is a multiple of every width up to
+ * 8. */
 static inline void base64_put(struct base64 *b, uint64_t bits, size_t bytes)
 {
     if (b->used + bytes > RAW_BYTES)
@@ -257,7 +259,7 @@ static inline uint64_t bits_of(double x)
 
 /* --- .vtp --- */
 
-static void array_open(struct base64 *b, const struct field *f, size_t n)
+static void open_array(struct base64 *b, const struct field *f, size_t n)
 {
     file_printf(b->file, "        <DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\"",
                 type_info[f->type].vtk, f->name, f->components);
@@ -267,7 +269,7 @@ static void array_open(struct base64 *b, const struct field *f, size_t n)
     base64_put(b, n * (uint64_t)f->components * type_info[f->type].bytes, 8);
 }
 
-static void array_close(struct base64 *b)
+static void close_array(struct base64 *b)
 {
     base64_flush(b);
     file_puts(b->file, "</DataArray>\n");
@@ -275,7 +277,7 @@ static void array_close(struct base64 *b)
 
 static void write_field(struct base64 *b, const struct field *f, const struct snapshot *s)
 {
-    array_open(b, f, s->n_elements);
+    open_array(b, f, s->n_elements);
     for (size_t i = 0; i < s->n_elements; i++) {
         double value[3];
         f->get(s, i, value);
@@ -283,7 +285,7 @@ static void write_field(struct base64 *b, const struct field *f, const struct sn
             base64_put(b, f->type == TYPE_F64 ? bits_of(value[c]) : (uint64_t)value[c],
                        type_info[f->type].bytes);
     }
-    array_close(b);
+    close_array(b);
 }
 
 static const struct field connectivity[] = {
@@ -292,35 +294,35 @@ static const struct field connectivity[] = {
 static const struct field offsets[] = {{"offsets", NULL, TYPE_I32, 1, {NULL, NULL, NULL}, NULL, NULL},
                                        {"offsets", NULL, TYPE_I64, 1, {NULL, NULL, NULL}, NULL, NULL}};
 
-/* Cells are a third of the file, so their numbers are 32 bits wide where they fit. */
+/* Vertices and lines are a third of the file, so their indices are 32 bits wide where they fit. */
 static bool is_long(size_t largest)
 {
     return largest > INT32_MAX;
 }
 
-/* Offsets of n cells with `points` points each. */
+/* Offsets of n vertices or lines with `points` points each. */
 static void write_offsets(struct base64 *b, size_t n, size_t points)
 {
     const struct field *f = &offsets[is_long(n * points)];
-    array_open(b, f, n);
+    open_array(b, f, n);
     for (size_t i = 1; i <= n; i++)
         base64_put(b, (uint64_t)(i * points), type_info[f->type].bytes);
-    array_close(b);
+    close_array(b);
 }
 
 static void write_vertices(struct base64 *b, size_t n)
 {
     file_puts(b->file, "      <Verts>\n");
     const struct field *f = &connectivity[is_long(n)];
-    array_open(b, f, n);
+    open_array(b, f, n);
     for (size_t i = 0; i < n; i++)
         base64_put(b, (uint64_t)i, type_info[f->type].bytes);
-    array_close(b);
+    close_array(b);
     write_offsets(b, n, 1);
     file_puts(b->file, "      </Verts>\n");
 }
 
-/* Whether the pair is drawn as a line, and between which points. */
+/* Whether the pair is drawn as a line; then end[] gets the indices of its two points. */
 static bool is_line(const struct snapshot *s, const struct pair_record *pair, size_t end[2])
 {
     if (pair->linked == 0)
@@ -341,14 +343,14 @@ static void write_lines(struct base64 *b, const struct snapshot *s, size_t n_lin
     size_t end[2];
     const struct field *f = &connectivity[is_long(s->n_elements)];
     file_puts(b->file, "      <Lines>\n");
-    array_open(b, f, 2 * n_lines);
+    open_array(b, f, 2 * n_lines);
     for (size_t p = 0; p < s->n_pairs; p++) {
         if (is_line(s, &s->pairs[p], end)) {
             base64_put(b, end[0], type_info[f->type].bytes);
             base64_put(b, end[1], type_info[f->type].bytes);
         }
     }
-    array_close(b);
+    close_array(b);
     write_offsets(b, n_lines, 2);
     file_puts(b->file, "      </Lines>\n");
 }
@@ -365,7 +367,7 @@ static void write_doubles(struct file_out *f, const char *name, const double *va
     file_puts(f, "</DataArray>\n");
 }
 
-static void string_array_open(struct file_out *f, const char *name, size_t n)
+static void open_string_array(struct file_out *f, const char *name, size_t n)
 {
     file_printf(f, "      <Array type=\"String\" Name=\"%s\" NumberOfTuples=\"%zu\" format=\"ascii\">", name,
                 n);
@@ -396,11 +398,11 @@ static void write_field_data(struct file_out *f, const struct snapshot *s)
         "</DataArray>\n",
         c->periodic[0], c->periodic[1]);
     struct kind_name name;
-    string_array_open(f, "materials", config_kinds(c));
+    open_string_array(f, "materials", config_kinds(c));
     for (size_t m = 0; m < config_kinds(c); m++)
         write_string(f, config_kind_name(c, m, &name));
     file_puts(f, "</Array>\n");
-    string_array_open(f, "bodies", c->n_bodies);
+    open_string_array(f, "bodies", c->n_bodies);
     for (size_t m = 0; m < c->n_bodies; m++)
         write_string(f, c->bodies[m].name);
     file_puts(f, "</Array>\n    </FieldData>\n");
@@ -480,7 +482,7 @@ enum dm2_status snapshot_write_series(const char *path, const int64_t *steps, si
 
 /* --- .xyz --- */
 
-static void write_number(struct file_out *f, double x)
+static void write_column(struct file_out *f, double x)
 {
     char text[NUMBER_TEXT_MAX + 1] = " ";
     size_t length = number_format(x, text + 1);
@@ -497,7 +499,7 @@ static void write_property(struct file_out *f, const struct field *field)
             file_printf(f, ":%s_%s:%c:1", field->name, field->component[c], type);
 }
 
-/* The cell's third edge is the model's depth of 1 cm, about the plane of the elements. */
+/* The third edge of the lattice is the model's depth of 1 cm, centred on the plane of the elements. */
 static void write_comment_line(struct file_out *f, const struct snapshot *s)
 {
     const struct config *c = s->config;
@@ -531,7 +533,7 @@ static void write_columns(struct file_out *f, const struct field *field, const s
     double value[3];
     field->get(s, i, value);
     for (int c = 0; c < field->components; c++)
-        write_number(f, value[c]);
+        write_column(f, value[c]);
 }
 
 enum dm2_status snapshot_write_xyz(const char *path, const struct snapshot *s, struct dm2_error *err)

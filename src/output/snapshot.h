@@ -1,17 +1,18 @@
 /* States for viewers: VTK PolyData (.vtp, ParaView) with a .pvd series, and extended XYZ (OVITO).
  *
  * The .vtp holds one point and one vertex per element, one line per linked pair (but none across a periodic
- * seam), and per point: id, kind, body, grain, radius [cm], velocity [cm/us], spin [1/us], temperature [K],
- * pressure [Mbar], stress [Mbar] (xx, yy, xy), links, contacts, bonds (links at the start), damage (1 -
- * links/bonds), where it is known fragment (output/fragments.h), and where the deck asks for it strain (xx,
- * yy, xy). Its field data: TimeValue [us], step, domain (x0, y0, width, height [cm]), periodic, and the names
- * of materials (the index is `kind`) and bodies. Positions and velocities have a z of 0. Numbers are
- * little-endian, in base64, floating point ones 64 bits wide.
+ * side), and per point: id, kind, body, grain, radius [cm], velocity [cm/us], spin [1/us], temperature [K],
+ * pressure [Mbar], stress [Mbar] (xx, yy, xy), phase where the deck has phases, composition where it has a
+ * reaction (mass fractions a, b, product), links, contacts, bonds (links at the start), damage (1 -
+ * links/bonds), fragment where it is known (output/fragments.h), and strain (xx, yy, xy) where the deck asks
+ * for it. Its field data: TimeValue [us], step, domain (x0, y0, width, height [cm]), periodic, and the names
+ * of kinds (array `materials`, indexed by `kind`) and of bodies. Positions and velocities have a z of 0.
+ * Numbers are little-endian in base64, floating point numbers 64 bits wide.
  *
- * The .xyz has the same columns as text, the material's name as species.
+ * The .xyz has the same columns as text, with the name of the kind as species.
  *
- * The bytes depend on the snapshot alone. Every function: DM2_IO, DM2_MEMORY, and DM2_NUMERIC where a pair
- * names an element that is not there; nothing is left under `path` then. */
+ * The bytes depend on the snapshot alone. Every function: DM2_IO, DM2_MEMORY; no file is left under `path`
+ * after a failure. */
 #ifndef DM2_OUTPUT_SNAPSHOT_H
 #define DM2_OUTPUT_SNAPSHOT_H
 
@@ -22,7 +23,8 @@
 #include "dm2/deck/config.h"
 #include "dm2/engine/element.h"
 
-/* A state as measured at one step. All borrowed; elements in id order, `measured` beside them. */
+/* A state as measured at one step. All pointers are borrowed; `elements` in id order, `measured` beside
+ * them. */
 struct snapshot {
     const struct config *config;
     int64_t step;
@@ -31,10 +33,11 @@ struct snapshot {
     size_t n_elements;
     const struct pair_record *pairs;
     size_t n_pairs;
-    const uint32_t *fragment; /* of each element, or NULL */
+    const uint32_t *fragment; /* fragment of each element, or NULL: unknown */
 };
 
-/* Write the state in the one format or the other. */
+/* Write the state in one format. snapshot_write_vtp: DM2_NUMERIC, too, where a pair names an absent
+ * element. */
 enum dm2_status snapshot_write_vtp(const char *path, const struct snapshot *s, struct dm2_error *err);
 enum dm2_status snapshot_write_xyz(const char *path, const struct snapshot *s, struct dm2_error *err);
 
@@ -44,7 +47,8 @@ struct snapshot_steps {
     size_t n, cap;
 };
 
-/* The ParaView collection of the files state-STEP.vtp (snapshot_file_name) beside it, one per step. */
+/* Writes the ParaView collection of the files state-STEP.vtp (snapshot_file_name) beside `path`, one per
+ * step; dt [us] gives their times. */
 enum dm2_status snapshot_write_series(const char *path, const int64_t *steps, size_t n_steps, double dt,
                                       struct dm2_error *err);
 

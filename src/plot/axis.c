@@ -1,9 +1,10 @@
 /* Round ticks.
  *
- * Linear: the step is the smallest of 1, 2, 5 times a power of ten that gives at most the ticks asked for;
- * ticks are whole multiples of it, computed as index * step so that 0 is 0. Labels have the decimals of the
- * step; very large and very small ones share a power of ten. Logarithmic: a tick per decade (or per several),
- * minor ones at 2 to 9; below a decade and a half 2 and 5 are labelled too. */
+ * Linear: the step is the smallest of 1, 2, 5 times a power of ten that gives at most the requested number
+ * of ticks. Ticks are whole multiples of the step, computed as index * step so that 0 is exactly 0. Labels
+ * have the decimals of the step; very large and very small labels share a power of ten. Logarithmic: one
+ * tick per decade (or per several), minor ticks at 2 to 9; over less than a decade and a half 2 and 5 have
+ * labels too. */
 #include "axis.h"
 
 #include <math.h>
@@ -18,7 +19,7 @@ double axis_round_below(double x)
     return power * (leading >= 5 ? 5 : leading >= 2 ? 2 : 1);
 }
 
-static void widen(double *low, double *high, bool log)
+static void widen_range(double *low, double *high, bool log)
 {
     if (*low > *high) {
         double swap = *low;
@@ -41,15 +42,15 @@ static void label_linear(struct axis *a, double step)
     int magnitude = (int)floor(log10(largest) + 1e-9), of_step = (int)floor(log10(step) + 1e-9);
     a->exponent = magnitude >= 5 || magnitude <= -4 ? magnitude : 0;
     int decimals = a->exponent - of_step;
-    for (size_t i = 0; i < a->n_ticks; i++) /* with a true minus sign */
+    for (size_t i = 0; i < a->n_ticks; i++) /* with the minus sign U+2212 */
         (void)snprintf(a->label[i], AXIS_LABEL_MAX, "%s%.*f", a->tick[i] < 0 ? "\u2212" : "",
                        decimals > 0 ? decimals : 0, fabs(a->tick[i]) / pow(10, a->exponent));
 }
 
-static void make_linear(struct axis *a, bool extend, int about)
+static void make_linear_axis(struct axis *a, bool extend, int about)
 {
     double span = a->high - a->low, step = axis_round_below(span / about);
-    while (span / step > about + 1e-9) { /* the next of 1, 2, 5 */
+    while (span / step > about + 1e-9) { /* to the next of 1, 2, 5 times a power of ten */
         double leading = step / pow(10, floor(log10(step) + 1e-9));
         step *= leading > 1.5 && leading < 3 ? 2.5 : 2;
     }
@@ -79,14 +80,14 @@ static void add_log_tick(struct axis *a, int leading, int decade)
         (void)snprintf(label, AXIS_LABEL_MAX, "%d\u00b710^{%s%d}", leading, minus, abs(decade));
 }
 
-static void make_log(struct axis *a, bool extend, int about)
+static void make_log_axis(struct axis *a, bool extend, int about)
 {
     double from = log10(a->low), to = log10(a->high);
     bool few = to - from < 1.5;
     if (extend && !few) {
         a->low = pow(10, floor(from + 1e-9));
         a->high = pow(10, ceil(to - 1e-9));
-    } else if (extend) { /* a whole leading digit is far enough */
+    } else if (extend) { /* to the next whole multiple of the decade */
         double below = pow(10, floor(from + 1e-9)), above = pow(10, floor(to + 1e-9));
         a->low = below * floor(a->low / below + 1e-9);
         a->high = above * ceil(a->high / above - 1e-9);
@@ -109,14 +110,14 @@ static void make_log(struct axis *a, bool extend, int about)
 void axis_make(struct axis *axis, double low, double high, bool log, bool extend, int about)
 {
     memset(axis, 0, sizeof *axis);
-    widen(&low, &high, log);
+    widen_range(&low, &high, log);
     axis->log = log;
     axis->low = low;
     axis->high = high;
     if (log)
-        make_log(axis, extend, about);
+        make_log_axis(axis, extend, about);
     else
-        make_linear(axis, extend, about);
+        make_linear_axis(axis, extend, about);
 }
 
 void axis_factor(const struct axis *axis, char out[AXIS_LABEL_MAX])

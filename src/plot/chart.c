@@ -1,8 +1,8 @@
 /* Charts.
  *
- * The legend stands right of the frame, where it can hide no data; one unnamed series needs none. Points that
- * fall on the same hundredth of a pixel as the one before are left out, so that a curve's size is bounded by
- * the picture's. */
+ * The legend is right of the frame, where it cannot hide data; a single series has none. A point that
+ * falls on the same hundredth of a pixel as the point before is left out, so that the size of a curve is
+ * bounded by the size of the picture. */
 #include "dm2/plot/chart.h"
 
 #include <math.h>
@@ -27,7 +27,7 @@ static bool is_drawable(const struct chart *c, double x, double y)
     return isfinite(x) && isfinite(y) && (!c->log_x || x > 0) && (!c->log_y || y > 0);
 }
 
-/* The ranges of what can be drawn; false where that is nothing. */
+/* The ranges of the points that can be drawn; false where there is none. */
 static bool find_ranges(const struct chart *c, double x[2], double y[2])
 {
     x[0] = y[0] = INFINITY;
@@ -59,7 +59,7 @@ static bool has_legend(const struct chart *c)
     return c->n_series > 1;
 }
 
-static void lay_out(const struct chart *c, const double x[2], const double y[2], struct layout *l)
+static void lay_out_chart(const struct chart *c, const double x[2], const double y[2], struct layout *l)
 {
     double legend = 0;
     for (size_t s = 0; has_legend(c) && s < c->n_series; s++)
@@ -134,12 +134,12 @@ static void draw_y_axis(struct svg *svg, const struct chart *c, const struct lay
 static void series_colour(const struct chart_series *s, char out[COLOUR_TEXT])
 {
     if (s->shaded)
-        colour_sequential(0.92 * s->shade, out); /* the lightest is too light for a line on white */
+        colour_sequential(0.92 * s->shade, out); /* the lightest colours are hard to see on white */
     else
         colour_category(s->colour, out);
 }
 
-/* The style of a series as attributes; the element stays open. */
+/* Appends the line style of a series as attributes and closes the element. */
 static void put_stroke(struct svg *svg, const struct chart_series *s)
 {
     char colour[COLOUR_TEXT];
@@ -173,7 +173,7 @@ static void draw_line(struct svg *svg, const struct chart *c, const struct layou
     put_stroke(svg, s);
 }
 
-/* One marker of a shape that goes with the colour, so that the series differ without colours too. */
+/* Appends one marker. Its shape follows the colour's index, so that the series differ without colours too. */
 static void put_marker(struct svg *svg, size_t shape, double x, double y)
 {
     static const char *const outlines[] = {"m-4 0a4 4 0 1 0 8 0a4 4 0 1 0-8 0z", "m-3.6-3.6h7.2v7.2h-7.2z",
@@ -231,7 +231,7 @@ enum dm2_status chart_write(const char *path, const struct chart *chart, struct 
     if (!find_ranges(chart, x, y))
         return dm2_fail(err, DM2_USAGE, "%s: there is no point to draw: every value is missing%s", path,
                         chart->log_x || chart->log_y ? ", or not positive on a logarithmic axis" : "");
-    lay_out(chart, x, y, &l);
+    lay_out_chart(chart, x, y, &l);
     if (l.right - l.left < 40 || l.bottom - l.top < 40)
         return dm2_fail(err, DM2_USAGE,
                         "%s: a chart of %.0f x %.0f pixels has no room for its labels; make it larger", path,

@@ -1,6 +1,6 @@
-/* Colour maps as short tables, interpolated linearly in sRGB, which at this spacing stays within a step or
- * two of the originals: viridis (S. van der Walt, N. Smith, CC0), cool-to-warm (K. Moreland, 2009), and the
- * palette of M. Okabe and K. Ito, without its black. */
+/* Colour maps as short tables, interpolated linearly in sRGB, which at this spacing differs from the
+ * originals by at most a step or two: viridis (S. van der Walt, N. Smith, CC0), cool-to-warm (K. Moreland,
+ * 2009), and the palette of M. Okabe and K. Ito, without its black. */
 #include "colour.h"
 
 #include <stdio.h>
@@ -15,7 +15,7 @@ static const unsigned cool_to_warm[] = {0x3b4cc0, 0x5977e3, 0x7b9ff9, 0x9ebeff, 
 static const unsigned categories[COLOUR_CATEGORIES] = {0x0072b2, 0xe69f00, 0x009e73, 0xd55e00,
                                                        0x56b4e9, 0xcc79a7, 0x999999, 0xf0e442};
 
-static void interpolate(const unsigned *table, size_t n, double t, char out[COLOUR_TEXT])
+static void interpolate_colour(const unsigned *table, size_t n, double t, char out[COLOUR_TEXT])
 {
     double place = (t > 0 ? (t < 1 ? t : 1) : 0) * (double)(n - 1);
     size_t i = (size_t)place;
@@ -32,12 +32,12 @@ static void interpolate(const unsigned *table, size_t n, double t, char out[COLO
 
 void colour_sequential(double t, char out[COLOUR_TEXT])
 {
-    interpolate(viridis, sizeof viridis / sizeof viridis[0], t, out);
+    interpolate_colour(viridis, sizeof viridis / sizeof viridis[0], t, out);
 }
 
 void colour_diverging(double t, char out[COLOUR_TEXT])
 {
-    interpolate(cool_to_warm, sizeof cool_to_warm / sizeof cool_to_warm[0], t, out);
+    interpolate_colour(cool_to_warm, sizeof cool_to_warm / sizeof cool_to_warm[0], t, out);
 }
 
 void colour_category(size_t index, char out[COLOUR_TEXT])

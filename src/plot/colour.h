@@ -1,4 +1,4 @@
-/* Colours that keep their order in grey and for colour-blind eyes. */
+/* Colours that keep their order in grey and for colour-blind readers. */
 #ifndef DM2_PLOT_COLOUR_H
 #define DM2_PLOT_COLOUR_H
 
@@ -14,7 +14,7 @@ void colour_sequential(double t, char out[COLOUR_TEXT]);
 /* Blue through light grey to red (Moreland's "cool to warm"): 0.5 is the middle. */
 void colour_diverging(double t, char out[COLOUR_TEXT]);
 
-/* Distinct colours after Okabe and Ito; the COLOUR_CATEGORIES of them repeat. */
+/* Distinct colours after Okabe and Ito, repeated after COLOUR_CATEGORIES of them. */
 void colour_category(size_t index, char out[COLOUR_TEXT]);
 
 #endif

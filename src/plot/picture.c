@@ -1,9 +1,10 @@
 /* Pictures of states.
  *
- * A disc is a zero-length line with round ends: about ten bytes when discs of one colour and radius share a
- * path and each is given relative to the one before, in tenths of a pixel. So the elements are sorted by
- * (colour, radius, index) first, with the colours of a measured quantity cut into 96 steps. Positions are
- * rounded before differences are taken: no error adds up along a path. */
+ * A disc is a zero-length line with round ends. Discs of one colour and radius share a path, in which each
+ * position is relative to the previous one in tenths of a pixel, so that a disc takes about ten bytes.
+ * Therefore the elements are sorted by (colour, radius, index), with the colours of a measured quantity
+ * cut into 96 steps. Positions are rounded before their differences are taken, so that no error adds up
+ * along a path. */
 #include "dm2/plot/picture.h"
 
 #include <math.h>
@@ -35,8 +36,8 @@ struct picture {
     const struct picture_options *options;
     struct shown_quantity quantity;
     const double *radius;               /* cm, per point */
-    double view[4];                     /* what is shown: x0 y0 x1 y1, cm */
-    double left, top, frame_w, frame_h; /* where, px */
+    double view[4];                     /* the shown part of the plane: x0 y0 x1 y1, cm */
+    double left, top, frame_w, frame_h; /* the frame, px */
     double width, height, scale;        /* of the picture, px; px per cm */
     double side;                        /* width of the column with the legend */
     struct disc *discs;
@@ -48,7 +49,7 @@ const char *picture_colours(void)
     return quantity_words();
 }
 
-/* --- what is shown --- */
+/* --- radius, view --- */
 
 static enum dm2_status find_radius(struct picture *p, struct dm2_error *err)
 {
@@ -97,7 +98,7 @@ static void choose_view(struct picture *p)
 static uint32_t step_of(const struct picture *p, double value)
 {
     double t = (value - p->quantity.low) / (p->quantity.high - p->quantity.low);
-    return t > 0 ? t < 1 ? (uint32_t)(t * STEPS) : STEPS - 1 : 0; /* not a number: 0 */
+    return t > 0 ? t < 1 ? (uint32_t)(t * STEPS) : STEPS - 1 : 0; /* NaN: step 0 */
 }
 
 static int compare_discs(const void *a, const void *b)
@@ -110,7 +111,7 @@ static int compare_discs(const void *a, const void *b)
     return x->index < y->index ? -1 : x->index > y->index;
 }
 
-static bool to_frame(const struct picture *p, const double *r, int32_t *x, int32_t *y)
+static bool map_to_frame(const struct picture *p, const double *r, int32_t *x, int32_t *y)
 {
     double px = rint(10 * (r[0] - p->view[0]) * p->scale), py = rint(10 * (p->view[3] - r[1]) * p->scale);
     if (!(px >= 0 && px <= 10 * p->frame_w && py >= 0 && py <= 10 * p->frame_h))
@@ -129,12 +130,12 @@ static enum dm2_status make_discs(struct picture *p, struct dm2_error *err)
     for (size_t i = 0; i < n; i++) {
         struct disc *d = &p->discs[p->n_discs];
         double value = quantity_value(&p->quantity, i), radius = rint(10 * p->radius[i] * p->scale);
-        if (!to_frame(p, p->vtp->position + 3 * i, &d->x, &d->y))
+        if (!map_to_frame(p, p->vtp->position + 3 * i, &d->x, &d->y))
             continue;
         d->colour = p->quantity.entry.scheme == SCHEME_CATEGORY
                         ? quantity_category_colour(&p->quantity, value)
                         : step_of(p, value);
-        d->radius = radius >= 4 ? (uint32_t)fmin(radius, 1e6) : 4; /* still visible */
+        d->radius = radius >= 4 ? (uint32_t)fmin(radius, 1e6) : 4; /* 0.4 px is still visible */
         d->index = (uint32_t)i;
         p->n_discs++;
     }
@@ -150,7 +151,7 @@ static void step_colour(const struct picture *p, double t, char out[COLOUR_TEXT]
         colour_sequential(t, out);
 }
 
-/* Appends a relative move; a minus sign needs no blank before it. */
+/* Appends a relative move. A minus sign needs no blank before it. */
 static void put_move(struct svg *svg, int32_t dx, int32_t dy)
 {
     svg_integer(svg, "m", dx);
@@ -199,7 +200,7 @@ static void draw_links(struct svg *svg, const struct picture *p)
         int32_t end[4];
         const double *a = p->vtp->position + 3 * (size_t)p->vtp->line[2 * k];
         const double *b = p->vtp->position + 3 * (size_t)p->vtp->line[2 * k + 1];
-        if (!to_frame(p, a, &end[0], &end[1]) || !to_frame(p, b, &end[2], &end[3]))
+        if (!map_to_frame(p, a, &end[0], &end[1]) || !map_to_frame(p, b, &end[2], &end[3]))
             continue;
         put_move(svg, end[0] - x, end[1] - y);
         svg_integer(svg, "l", end[2] - end[0]);
@@ -210,7 +211,7 @@ static void draw_links(struct svg *svg, const struct picture *p)
     svg_puts(svg, "\"/>\n");
 }
 
-/* --- what stands around --- */
+/* --- around the frame --- */
 
 static bool has_colour_bar(const struct picture *p)
 {
@@ -245,7 +246,7 @@ static double side_width(const struct picture *p)
     return widest > 0 ? 16 + 20 + widest : 0;
 }
 
-static enum dm2_status lay_out(struct picture *p, struct dm2_error *err)
+static enum dm2_status lay_out_picture(struct picture *p, struct dm2_error *err)
 {
     double view_w = p->view[2] - p->view[0], view_h = p->view[3] - p->view[1];
     p->width = p->options->width > 0 ? p->options->width : 900;
@@ -261,7 +262,7 @@ static enum dm2_status lay_out(struct picture *p, struct dm2_error *err)
     p->frame_h = view_h * p->scale;
     p->left = margin;
     p->top = margin + 20 + (p->options->title != NULL ? 24 : 0);
-    double least = has_colour_bar(p) ? 120 : 0; /* room for the bar beside a flat picture */
+    double least = has_colour_bar(p) ? 120 : 0; /* the colour bar beside a flat picture */
     p->height = p->top + fmax(p->frame_h, least) + 40;
     p->width = fmin(p->width, fmax(p->frame_w + p->side + 2 * margin, 420));
     return DM2_OK;
@@ -374,7 +375,7 @@ static void draw_legend(struct svg *svg, const struct picture *p)
     }
 }
 
-static enum dm2_status draw(struct picture *p, const char *path, struct dm2_error *err)
+static enum dm2_status draw_picture(struct picture *p, const char *path, struct dm2_error *err)
 {
     struct svg svg;
     enum dm2_status status = svg_create(&svg, path, p->width, p->height, p->options->title, err);
@@ -405,12 +406,12 @@ enum dm2_status picture_write(const char *path, const struct vtp *vtp, const str
         status = quantity_choose_range(&p.quantity, options->range, err);
     if (status == DM2_OK) {
         choose_view(&p);
-        status = lay_out(&p, err);
+        status = lay_out_picture(&p, err);
     }
     if (status == DM2_OK)
         status = make_discs(&p, err);
     if (status == DM2_OK)
-        status = draw(&p, path, err);
+        status = draw_picture(&p, path, err);
     free(p.discs);
     return status;
 }

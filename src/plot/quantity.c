@@ -36,13 +36,14 @@ static double get_mean_stress(const double *tuple)
     return 0.5 * (tuple[0] + tuple[1]);
 }
 
-/* The largest shear strain in the plane, and the change of area. */
+/* The largest shear strain in the plane. */
 static double get_shear_strain(const double *tuple)
 {
     double half = 0.5 * (tuple[0] - tuple[1]);
     return sqrt(half * half + tuple[2] * tuple[2]);
 }
 
+/* The change of area. */
 static double get_area_strain(const double *tuple)
 {
     return tuple[0] + tuple[1];
@@ -88,7 +89,6 @@ const char *quantity_words(void)
 
 /* --- choosing --- */
 
-/* The names of the arrays of points, blank-separated; cut where there are many. */
 void quantity_list_arrays(const struct vtp *vtp, char *out, size_t size)
 {
     size_t used = 0;
@@ -99,8 +99,8 @@ void quantity_list_arrays(const struct vtp *vtp, char *out, size_t size)
                 (size_t)snprintf(out + used, size - used, "%s%s", used == 0 ? "" : " ", vtp->arrays[k].name);
 }
 
-/* Any other array of the file by its name, with the component behind a colon, from 1. */
-static const struct vtp_array *find_other(struct shown_quantity *q, const char *word, size_t *component)
+/* Finds an array of the points that is not in the table, by NAME or NAME:COMPONENT, and sets q->name. */
+static const struct vtp_array *find_array(struct shown_quantity *q, const char *word, size_t *component)
 {
     const char *colon = strrchr(word, ':');
     size_t length = colon == NULL ? strlen(word) : (size_t)(colon - word);
@@ -118,7 +118,7 @@ static const struct vtp_array *find_other(struct shown_quantity *q, const char *
     return array;
 }
 
-static bool any_negative(const struct shown_quantity *q)
+static bool has_negative(const struct shown_quantity *q)
 {
     for (size_t i = 0; i < q->vtp->n_points; i++)
         if (q->values[i * q->components] < 0)
@@ -138,7 +138,7 @@ enum dm2_status quantity_choose(struct shown_quantity *q, const struct vtp *vtp,
         known = strcmp(word, quantities[i].word) == 0;
         q->entry = quantities[i];
     }
-    values = known ? vtp_find(q->vtp, "PointData", q->entry.array) : find_other(q, word, &component);
+    values = known ? vtp_find(q->vtp, "PointData", q->entry.array) : find_array(q, word, &component);
     quantity_list_arrays(q->vtp, names, sizeof names);
     if (!known && values == NULL)
         return dm2_fail(err, DM2_USAGE,
@@ -146,7 +146,7 @@ enum dm2_status quantity_choose(struct shown_quantity *q, const struct vtp *vtp,
                         word, quantity_words(), names);
     size_t least = q->entry.value == get_first || !known ? 1
                    : q->entry.value == get_second        ? 2
-                                                         : 3; /* that it reads */
+                                                         : 3; /* components that the function reads */
     if (values == NULL || values->components < least)
         return dm2_fail(err, DM2_USAGE,
                         "'%s' needs an array '%s' that the snapshot does not have; it has: %s", word,
@@ -155,7 +155,7 @@ enum dm2_status quantity_choose(struct shown_quantity *q, const struct vtp *vtp,
     q->components = values->components;
     if (!known)
         q->entry = (struct quantity_entry){word, q->name, values->name,
-                                           any_negative(q) ? SCHEME_DIVERGING : SCHEME_SEQUENTIAL, get_first};
+                                           has_negative(q) ? SCHEME_DIVERGING : SCHEME_SEQUENTIAL, get_first};
     return DM2_OK;
 }
 
@@ -209,7 +209,7 @@ void quantity_category_name(const struct shown_quantity *q, size_t category, cha
         (void)snprintf(out, size, "%s %zu", q->entry.word, category);
 }
 
-/* Grains are many: neighbouring numbers are spread over the colours. */
+/* The many grains are spread over the colours by a hash of their number. */
 uint32_t quantity_category_colour(const struct shown_quantity *q, double value)
 {
     uint64_t category = value >= 0 && value < 0x1p53 ? (uint64_t)value : 0;
@@ -218,7 +218,6 @@ uint32_t quantity_category_colour(const struct shown_quantity *q, double value)
     return (uint32_t)(category % COLOUR_CATEGORIES);
 }
 
-/* The categories that occur, ascending, at most QUANTITY_CATEGORIES_MAX + 1 of them (then there are more). */
 size_t quantity_categories(const struct shown_quantity *q, size_t out[QUANTITY_CATEGORIES_MAX + 1])
 {
     size_t n = 0;

@@ -1,8 +1,7 @@
 /* The SVG writer.
  *
- * Numbers are what makes these files large, so they are cut to hundredths of a pixel. Text positions do not
- * depend on font metrics that we do not have: everything is anchored, and svg_text_width only reserves room.
- */
+ * Numbers make up most of a file, so they are cut to hundredths of a pixel. Text positions are independent
+ * of font metrics, which are unknown here: every text is anchored, and svg_text_width only reserves room. */
 #include "svg.h"
 
 #include <math.h>
@@ -92,7 +91,7 @@ static void put_marked_up(struct svg *svg, const char *text, double size)
         put_escaped(svg, up + 2, (size_t)(close - up - 2));
         svg_puts(svg, "</tspan>");
         text = close + 1;
-        if (*text != '\0') { /* the next character comes back to the line */
+        if (*text != '\0') { /* the next character returns to the base line */
             size_t n = 1;
             while (((unsigned char)text[n] & 0xc0) == 0x80)
                 n++;

@@ -1,9 +1,8 @@
-/* The snapshot reader: walks the XML once, decodes each array where it stands, and checks the shapes at the
- * end.
+/* The snapshot reader: passes over the XML once, decodes each array at its place, and checks the shapes at
+ * the end.
  *
- * The file is material from elsewhere: no length in it is believed before the bytes behind it have been seen.
- * An array's text bounds the values that it can hold, and the piece's counts are only compared with what was
- * read. */
+ * The file may come from elsewhere, so no length in it is trusted: the length of an array's text bounds
+ * the number of its values, and the piece's counts are only compared with the arrays that were read. */
 #include "dm2/plot/vtp_reader.h"
 
 #include <inttypes.h>
@@ -37,7 +36,7 @@ struct vtp_reader {
     char section[16];
 };
 
-static enum dm2_status fault(const struct vtp_reader *r, struct dm2_error *err, const char *what)
+static enum dm2_status fail_at_line(const struct vtp_reader *r, struct dm2_error *err, const char *what)
 {
     return dm2_fail(err, DM2_PROTOCOL, "%s:%zu: %s", r->xml.path, xml_line(&r->xml), what);
 }
@@ -60,7 +59,7 @@ static int base64_digit(unsigned char c)
     return c == '+' ? 62 : c == '/' ? 63 : -1;
 }
 
-/* Decodes in full or returns false. `out` has room for length / 4 * 3 bytes. */
+/* Decodes the whole text, or returns false. `out` has room for length / 4 * 3 bytes. */
 static bool base64_decode(const char *text, size_t length, unsigned char *out, size_t *n)
 {
     signed char digit[256];
@@ -114,7 +113,7 @@ static double get_number(const unsigned char *bytes, const struct vtp_type *type
     return x;
 }
 
-static struct xml_span trim(struct xml_span s)
+static struct xml_span trim_blanks(struct xml_span s)
 {
     static const char blanks[] = " \t\r\n";
     while (s.length > 0 && strchr(blanks, s.at[0]) != NULL) {
@@ -135,9 +134,9 @@ static enum dm2_status read_binary(struct vtp_reader *r, struct xml_span text, c
         return no_memory(r, err);
     enum dm2_status status = DM2_OK;
     if (!base64_decode(text.at, text.length, bytes, &length))
-        status = fault(r, err, "an array that is not base64");
+        status = fail_at_line(r, err, "an array that is not base64");
     else if (length < 8 || get_bits(bytes, 8) != length - 8 || (length - 8) % type->bytes != 0)
-        status = fault(r, err, "an array whose length is not the one that it announces");
+        status = fail_at_line(r, err, "an array whose length is not the one that it announces");
     if (status == DM2_OK) {
         *n = (length - 8) / type->bytes;
         *values = mem_alloc(*n, sizeof **values);
@@ -153,7 +152,8 @@ static enum dm2_status read_binary(struct vtp_reader *r, struct xml_span text, c
 static enum dm2_status read_ascii(struct vtp_reader *r, struct xml_span text, double **values, size_t *n,
                                   struct dm2_error *err)
 {
-    *values = mem_alloc(text.length / 2 + 1, sizeof **values); /* at least a digit and a blank each */
+    /* Every value but the last takes a digit and a blank. */
+    *values = mem_alloc(text.length / 2 + 1, sizeof **values);
     *n = 0;
     if (*values == NULL)
         return no_memory(r, err);
@@ -165,7 +165,7 @@ static enum dm2_status read_ascii(struct vtp_reader *r, struct xml_span text, do
         if (at > word && !number_parse(word, (size_t)(at - word), &(*values)[(*n)++])) {
             free(*values);
             *values = NULL;
-            return fault(r, err, "an array with a word that is no number");
+            return fail_at_line(r, err, "an array with a word that is no number");
         }
         at += at < end ? 1 : 0;
     }
@@ -174,18 +174,18 @@ static enum dm2_status read_ascii(struct vtp_reader *r, struct xml_span text, do
 
 /* --- elements --- */
 
-/* Strings as VTK writes them: the characters as numbers, a 0 after each string. */
+/* Reads strings as VTK writes them: the characters as numbers, a 0 after each string. */
 static enum dm2_status take_names(struct vtp_reader *r, const double *codes, size_t n, struct vtp_names *out,
                                   struct dm2_error *err)
 {
     size_t count = 0, at = 0;
     for (size_t i = 0; i < n; i++) {
         if (!(codes[i] >= 0 && codes[i] < 256))
-            return fault(r, err, "a string with a character that is none");
+            return fail_at_line(r, err, "a string with a character that is none");
         count += codes[i] == 0 ? 1 : 0;
     }
     if (n > 0 && codes[n - 1] != 0)
-        return fault(r, err, "a string that does not end");
+        return fail_at_line(r, err, "a string that does not end");
     out->name = mem_zalloc(count, sizeof *out->name);
     if (out->name == NULL)
         return no_memory(r, err);
@@ -236,18 +236,19 @@ static enum dm2_status keep_array(struct vtp_reader *r, const struct vtp_array *
     return DM2_OK;
 }
 
-/* The text of the element that just began, up to its end. */
+/* Reads the text of the element that just began, up to its end tag. */
 static enum dm2_status take_text(struct vtp_reader *r, struct xml_span *text, struct dm2_error *err)
 {
     *text = (struct xml_span){"", 0};
     enum xml_event event = xml_next(&r->xml, err);
     if (event == XML_TEXT) {
-        *text = trim(r->xml.text);
+        *text = trim_blanks(r->xml.text);
         event = xml_next(&r->xml, err);
     }
     if (event == XML_ERROR)
         return DM2_PROTOCOL;
-    return event == XML_END ? DM2_OK : fault(r, err, "an array with something else than its values inside");
+    return event == XML_END ? DM2_OK
+                            : fail_at_line(r, err, "an array with something else than its values inside");
 }
 
 static enum dm2_status take_strings(struct vtp_reader *r, const char *name, struct xml_span format,
@@ -264,7 +265,7 @@ static enum dm2_status take_strings(struct vtp_reader *r, const char *name, stru
     if (status != DM2_OK || names == NULL || names->name != NULL)
         return status;
     if (!ascii)
-        return fault(r, err, "an array of strings in another format than ascii");
+        return fail_at_line(r, err, "an array of strings in another format than ascii");
     status = read_ascii(r, text, &codes, &n, err);
     if (status != DM2_OK)
         return status;
@@ -279,7 +280,7 @@ static enum dm2_status take_array(struct vtp_reader *r, struct dm2_error *err)
     struct xml_span name = xml_attribute(&r->xml, "Name"), type = xml_attribute(&r->xml, "type");
     struct xml_span format = xml_attribute(&r->xml, "format"), text;
     if (name.at == NULL || name.length >= sizeof array.name)
-        return fault(r, err, "an array without a name, or with one that is too long");
+        return fail_at_line(r, err, "an array without a name, or with one that is too long");
     memcpy(array.name, name.at, name.length);
     memcpy(array.section, r->section, sizeof array.section);
     if (xml_is(r->xml.name, "Array"))
@@ -289,12 +290,12 @@ static enum dm2_status take_array(struct vtp_reader *r, struct dm2_error *err)
         if (xml_is(type, number_types[i].name))
             number = &number_types[i];
     if (number == NULL)
-        return fault(r, err, "an array of an unknown type");
+        return fail_at_line(r, err, "an array of an unknown type");
     bool binary = xml_is(format, "binary");
     if (!binary && !xml_is(format, "ascii"))
-        return fault(r, err, "an array in another format than binary or ascii");
+        return fail_at_line(r, err, "an array in another format than binary or ascii");
     if (!attribute_count(&r->xml, "NumberOfComponents", 1, &array.components) || array.components == 0)
-        return fault(r, err, "an array with a wrong number of components");
+        return fail_at_line(r, err, "an array with a wrong number of components");
     enum dm2_status status = take_text(r, &text, err);
     size_t n;
     if (status == DM2_OK)
@@ -303,7 +304,7 @@ static enum dm2_status take_array(struct vtp_reader *r, struct dm2_error *err)
     if (status != DM2_OK)
         return status;
     array.n_tuples = n / array.components;
-    status = n % array.components != 0 ? fault(r, err, "an array that does not fill its last tuple")
+    status = n % array.components != 0 ? fail_at_line(r, err, "an array that does not fill its last tuple")
                                        : keep_array(r, &array, err);
     if (status != DM2_OK)
         free(array.values);
@@ -315,17 +316,17 @@ static enum dm2_status take_start(struct vtp_reader *r, struct dm2_error *err)
     struct xml *x = &r->xml;
     if (x->depth == 1) {
         if (!xml_is(x->name, "VTKFile") || !xml_is(xml_attribute(x, "type"), "PolyData"))
-            return fault(r, err, "a VTKFile of type PolyData was expected");
+            return fail_at_line(r, err, "a VTKFile of type PolyData was expected");
         if (!xml_is(xml_attribute(x, "byte_order"), "LittleEndian") ||
             !xml_is(xml_attribute(x, "header_type"), "UInt64") || xml_attribute(x, "compressor").at != NULL)
-            return fault(r, err,
-                         "only little-endian files with UInt64 headers and no compressor can be read");
+            return fail_at_line(r, err,
+                                "only little-endian files with UInt64 headers and no compressor can be read");
     } else if (xml_is(x->name, "Piece")) {
         if (r->vtp->position != NULL || r->vtp->n_points != 0)
-            return fault(r, err, "a second piece; only one can be read");
+            return fail_at_line(r, err, "a second piece; only one can be read");
         if (!attribute_count(x, "NumberOfPoints", 0, &r->vtp->n_points) ||
             !attribute_count(x, "NumberOfLines", 0, &r->vtp->n_lines))
-            return fault(r, err, "a piece whose counts are no numbers");
+            return fail_at_line(r, err, "a piece whose counts are no numbers");
     } else if (xml_is(x->name, "DataArray") || xml_is(x->name, "Array")) {
         return take_array(r, err);
     } else if (x->name.length < sizeof r->section) {
@@ -335,7 +336,7 @@ static enum dm2_status take_start(struct vtp_reader *r, struct dm2_error *err)
     return DM2_OK;
 }
 
-/* --- the whole --- */
+/* --- the whole file --- */
 
 static enum dm2_status check_lines(struct vtp_reader *r, struct dm2_error *err)
 {
@@ -380,7 +381,7 @@ static enum dm2_status check_shapes(struct vtp_reader *r, struct dm2_error *err)
     return check_lines(r, err);
 }
 
-static enum dm2_status parse(struct vtp_reader *r, struct dm2_error *err)
+static enum dm2_status read_events(struct vtp_reader *r, struct dm2_error *err)
 {
     for (;;) {
         enum dm2_status status = DM2_OK;
@@ -411,7 +412,7 @@ enum dm2_status vtp_read(const char *path, struct vtp *out, struct dm2_error *er
         return status;
     struct vtp_reader r = {.vtp = out};
     xml_open(&r.xml, path, (const char *)bytes, n);
-    status = parse(&r, err);
+    status = read_events(&r, err);
     free(bytes);
     if (status != DM2_OK)
         vtp_free(out);

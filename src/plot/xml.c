@@ -1,8 +1,9 @@
-/* XML, pulled event by event out of a text in memory; nothing is copied, spans point into the text.
+/* XML, pulled event by event out of a text in memory. Spans point into the text, so that nothing is
+ * copied.
  *
- * Well-formedness is checked on the way: tags nest, one root, attributes are quoted and unique, `<` and a
- * stray `&` appear nowhere they must not, no control characters. The line of a message is counted when it is
- * needed. */
+ * Well-formedness is checked on the way: tags nest, there is one root, attributes are quoted and unique,
+ * `<` and `&` occur only where they are allowed, and there are no control characters. The line of a
+ * message is counted when it is needed. */
 #include "xml.h"
 
 #include <ctype.h>
@@ -37,13 +38,13 @@ struct xml_span xml_attribute(const struct xml *x, const char *name)
     return (struct xml_span){NULL, 0};
 }
 
-static enum xml_event fault(const struct xml *x, struct dm2_error *err, const char *what)
+static enum xml_event fail_at_line(const struct xml *x, struct dm2_error *err, const char *what)
 {
     (void)dm2_fail(err, DM2_PROTOCOL, "%s:%zu: not well-formed XML: %s", x->path, xml_line(x), what);
     return XML_ERROR;
 }
 
-static bool begins(const struct xml *x, const char *text)
+static bool begins_with(const struct xml *x, const char *text)
 {
     size_t n = strlen(text);
     return (size_t)(x->end - x->at) >= n && memcmp(x->at, text, n) == 0;
@@ -72,7 +73,7 @@ static struct xml_span take_name(struct xml *x)
     return name;
 }
 
-/* Whether what stands at `c`, a '&', is an entity; *length is its own. */
+/* Whether an entity begins at `c`, which points to a '&'; *length is the entity's length. */
 static bool is_entity(const char *c, const char *end, size_t *length)
 {
     static const char *const named[] = {"&lt;", "&gt;", "&amp;", "&quot;", "&apos;"};
@@ -93,8 +94,8 @@ static bool is_entity(const char *c, const char *end, size_t *length)
     return at > digits && at < end && *at == ';';
 }
 
-/* NULL, or what is wrong with the characters of a text or of an attribute's value. */
-static const char *fault_of_text(struct xml_span span)
+/* NULL, or the fault in the characters of a text or of an attribute's value. */
+static const char *find_fault(struct xml_span span)
 {
     const char *end = span.at + span.length;
     size_t entity;
@@ -133,10 +134,10 @@ static const char *take_attribute(struct xml *x)
     x->attribute[x->n_attributes] = name;
     x->value[x->n_attributes++] = value;
     x->at = close + 1;
-    return fault_of_text(value);
+    return find_fault(value);
 }
 
-/* The attributes up to '>' or '/>'. */
+/* Reads the attributes up to '>', '/' or '?'. Returns NULL, or the fault. */
 static const char *take_attributes(struct xml *x)
 {
     for (;;) {
@@ -160,21 +161,21 @@ static enum xml_event take_start(struct xml *x, struct dm2_error *err)
     x->n_attributes = 0;
     x->name = take_name(x);
     if (x->name.length == 0)
-        return fault(x, err, "an element's name was expected");
+        return fail_at_line(x, err, "an element's name was expected");
     if (x->depth == 0 && x->had_root)
-        return fault(x, err, "a second root element");
+        return fail_at_line(x, err, "a second root element");
     const char *what = take_attributes(x);
     if (what != NULL)
-        return fault(x, err, what);
+        return fail_at_line(x, err, what);
     if (*x->at == '?')
-        return fault(x, err, "a stray '?'");
+        return fail_at_line(x, err, "a stray '?'");
     x->empty = *x->at == '/';
     x->at += x->empty ? 1 : 0;
     if (x->at == x->end || *x->at != '>')
-        return fault(x, err, "a '>' was expected");
+        return fail_at_line(x, err, "a '>' was expected");
     x->at++;
     if (x->depth == XML_DEPTH_MAX)
-        return fault(x, err, "elements nest too deeply");
+        return fail_at_line(x, err, "elements nest too deeply");
     x->open[x->depth++] = x->name;
     x->had_root = true;
     return XML_START;
@@ -186,17 +187,17 @@ static enum xml_event take_end(struct xml *x, struct dm2_error *err)
     x->name = take_name(x);
     skip_space(x);
     if (x->at == x->end || *x->at != '>')
-        return fault(x, err, "a '>' was expected");
+        return fail_at_line(x, err, "a '>' was expected");
     x->at++;
     if (x->depth == 0)
-        return fault(x, err, "an end tag without its start");
+        return fail_at_line(x, err, "an end tag without its start");
     struct xml_span open = x->open[--x->depth];
     if (open.length != x->name.length || memcmp(open.at, x->name.at, open.length) != 0)
-        return fault(x, err, "an end tag that does not match the start tag");
+        return fail_at_line(x, err, "an end tag that does not match the start tag");
     return XML_END;
 }
 
-/* The XML declaration and comments. */
+/* Each skips one construct and returns NULL, or the fault. */
 static const char *skip_declaration(struct xml *x)
 {
     if (x->began)
@@ -206,7 +207,7 @@ static const char *skip_declaration(struct xml *x)
     const char *what = take_attributes(x);
     if (what != NULL)
         return what;
-    if (!begins(x, "?>"))
+    if (!begins_with(x, "?>"))
         return "the XML declaration does not end";
     x->at += 2;
     return NULL;
@@ -215,9 +216,9 @@ static const char *skip_declaration(struct xml *x)
 static const char *skip_comment(struct xml *x)
 {
     x->at += 4;
-    while (x->at < x->end && !begins(x, "--"))
+    while (x->at < x->end && !begins_with(x, "--"))
         x->at++;
-    if (!begins(x, "-->"))
+    if (!begins_with(x, "-->"))
         return "a comment that does not end, or '--' inside it";
     x->at += 3;
     return NULL;
@@ -232,35 +233,35 @@ enum xml_event xml_next(struct xml *x, struct dm2_error *err)
     }
     for (;;) {
         const char *what = NULL;
-        if (begins(x, "<?xml"))
+        if (begins_with(x, "<?xml"))
             what = skip_declaration(x);
-        else if (begins(x, "<!--"))
+        else if (begins_with(x, "<!--"))
             what = skip_comment(x);
         else
             break;
         x->began = true;
         if (what != NULL)
-            return fault(x, err, what);
+            return fail_at_line(x, err, what);
     }
     x->began = true;
     if (x->at == x->end) {
         if (x->depth != 0)
-            return fault(x, err, "the text ends inside an element");
-        return x->had_root ? XML_DONE : fault(x, err, "there is no element");
+            return fail_at_line(x, err, "the text ends inside an element");
+        return x->had_root ? XML_DONE : fail_at_line(x, err, "there is no element");
     }
-    if (begins(x, "</"))
+    if (begins_with(x, "</"))
         return take_end(x, err);
     if (*x->at == '<')
         return take_start(x, err);
     const char *next = memchr(x->at, '<', (size_t)(x->end - x->at));
     x->text = (struct xml_span){x->at, (size_t)((next == NULL ? x->end : next) - x->at)};
-    const char *what = fault_of_text(x->text);
+    const char *what = find_fault(x->text);
     if (what != NULL)
-        return fault(x, err, what);
+        return fail_at_line(x, err, what);
     if (x->depth == 0) {
         skip_space(x);
         if (x->at < x->text.at + x->text.length)
-            return fault(x, err, "text outside of the root element");
+            return fail_at_line(x, err, "text outside of the root element");
         return xml_next(x, err);
     }
     x->at = x->text.at + x->text.length;

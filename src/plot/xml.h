@@ -1,7 +1,8 @@
-/* A small pull parser for XML: enough for VTK's files and our own pictures, and strict about well-formedness.
+/* A small pull parser for XML: enough for VTK's files and the pictures of this program, and strict about
+ * well-formedness.
  *
- * Known: elements, attributes, text, comments, the XML declaration, the five named entities and numeric ones.
- * A document type, CDATA and other processing instructions are errors. Names are ASCII. */
+ * Known are elements, attributes, text, comments, the XML declaration, the five named entities and numeric
+ * entities. A document type, CDATA and other processing instructions are errors. Names are ASCII. */
 #ifndef DM2_PLOT_XML_H
 #define DM2_PLOT_XML_H
 
@@ -36,19 +37,21 @@ struct xml {
     bool empty, had_root, began; /* empty: the last XML_START was <a/> */
 };
 
-/* Begins with text[0..length), borrowed; so is `path`. */
+/* Starts at text[0..length). `text` and `path` are borrowed. */
 void xml_open(struct xml *x, const char *path, const char *text, size_t length);
 
-/* The next event. XML_ERROR: not well-formed; *err says path:line and what. No further call then. */
+/* The next event. XML_ERROR: the text is not well-formed; *err has path:line and the fault. No further
+ * call after an XML_ERROR. */
 enum xml_event xml_next(struct xml *x, struct dm2_error *err);
 
-/* Whether the span holds just this text. */
+/* Whether the span equals `text`. */
 bool xml_is(struct xml_span span, const char *text);
 
-/* The value of an attribute of the element that began last, raw; .at is NULL where there is none. */
+/* The raw value of an attribute of the element that began last; .at is NULL where the element lacks the
+ * attribute. */
 struct xml_span xml_attribute(const struct xml *x, const char *name);
 
-/* The line of the position, from 1. */
+/* The line of the present position, from 1. */
 size_t xml_line(const struct xml *x);
 
 #endif

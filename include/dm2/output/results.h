@@ -1,25 +1,25 @@
 /* The run directory: what a run leaves on disk (docs: README, "The run directory").
  *
- *   history.csv            one row per measured step, units in the header line
- *   profile-NAME.csv       one row per bin and measured step of each profile of the deck
- * (dm2/engine/profile.h) fragments.csv          one row per snapshot: how many fragments there are
- * (output/fragments.h) final.dm2              the state after the last step (dm2/output/state.h)
- *   checkpoint.dm2         the newest checkpoint (dm2/output/state.h); checkpoint.prev.dm2 is the one before
- * it snapshots/state-*.vtp  states at the steps that the deck names, with series.pvd (ParaView),
- *   snapshots/state-*.xyz  and/or extended XYZ (OVITO) (output/snapshot.h)
+ *   history.csv            one row per measured step, units in the heading
+ *   profile-NAME.csv       of each profile of the deck, one row per bin and measured step (engine/profile.h)
+ *   fragments.csv          one row per snapshot: the number of fragments (output/fragments.h)
+ *   final.dm2              the state after the last step (dm2/output/state.h)
+ *   checkpoint.dm2         the newest checkpoint, a state as well; checkpoint.prev.dm2 is the one before
+ *   snapshots/state-*.vtp  states at the steps that the deck names, with series.pvd (ParaView), and/or
+ *   snapshots/state-*.xyz  in extended XYZ (OVITO) (output/snapshot.h)
  *   run.log, timing.csv    texts that the program writes with results_text
  *
  * Every file is written under a temporary name (its own with ".part" at the end), brought to disk and
  * renamed, so a file under its final name is always whole. The tables that grow with the run, history.csv,
- * profile-NAME.csv and fragments.csv, get their final names in results_close only: a run that ended early
- * leaves no history and no final state, while the snapshots that it completed stay. One that has written a
- * checkpoint leaves its tables under their temporary names: they are on disk up to the checkpoint's step
- * before the checkpoint is, and results_continue takes them over. The bytes of all but run.log and timing.csv
- * depend on the deck and the results alone.
+ * profile-NAME.csv and fragments.csv, get their final names in results_close only: a run that ends early
+ * leaves neither a history nor a final state, only the snapshots that it completed. A run that has written a
+ * checkpoint leaves its tables under their temporary names as well. They are on disk up to the checkpoint's
+ * step before the checkpoint is, and results_continue takes them over. The bytes of all files but run.log and
+ * timing.csv depend on the deck and the results alone.
  *
  * Every function that returns a status: DM2_IO with the path and the system's reason, or DM2_MEMORY. After a
- * failure call results_abort. A disk that is full arrives as DM2_IO; so does a file size limit (RLIMIT_FSIZE)
- * provided that the program ignores SIGXFSZ, which every program here does at its start. */
+ * failure call results_abort. A full disk is reported as DM2_IO, and so is a file size limit (RLIMIT_FSIZE)
+ * where the program ignores SIGXFSZ, which every program here does at its start. */
 #ifndef DM2_OUTPUT_RESULTS_H
 #define DM2_OUTPUT_RESULTS_H
 
@@ -38,26 +38,29 @@ struct results;
 
 enum { RESULTS_DIGEST_BYTES = 32 };
 
-/* Makes the directory (and its parents) or takes an empty one. One that is not empty is an error unless
- * `overwrite`; then the files named above that an earlier run left in it are removed, and nothing else: call
- * this after reading a checkpoint that may lie there. `config` is borrowed for the life of *out; `scales` is
- * model_scales() of its model; `digest` goes into final.dm2. Opens history.csv and writes its header. */
+/* Makes the directory and its parents, or takes an empty one (dm2/output/run_directory.h). A directory that
+ * is not empty is an error unless `overwrite`; then the files named above that an earlier run left in the
+ * directory are removed, and nothing else. Call results_open after reading a checkpoint that may lie there.
+ * `config` is borrowed for the life of *out; `scales` is model_scales() of its model; `digest` goes into
+ * final.dm2. Opens history.csv and the tables of profiles and writes their headings. The caller ends *out
+ * with results_close or results_abort; after a failure *out is NULL. */
 enum dm2_status results_open(const char *directory, bool overwrite, const struct config *config,
                              struct measure_scales scales, const uint8_t digest[RESULTS_DIGEST_BYTES],
                              struct results **out, struct dm2_error *err);
 
-/* The same for a run that continues from a checkpoint of step `step` in the directory `source`, whose tables
- * are taken over up to that step: rows of later steps go, none is missing or there twice. Where `directory`
- * is `source`, it goes on there; else the directory is prepared as by results_open, and the rows are copied
- * into it, while snapshots stay where they are. DM2_PROTOCOL where the tables do not have the rows before the
- * checkpoint: which, and what to do. */
+/* results_open for a run that continues from a checkpoint of step `step` in the directory `source`, whose
+ * tables are taken over up to that step: rows of later steps are dropped, and no row is missing or
+ * doubled. Where `directory` is `source`, the run continues there; else the directory is prepared as by
+ * results_open and the rows are copied into it, while snapshots stay in `source`. DM2_PROTOCOL where the
+ * tables lack rows from before the checkpoint; the message names the rows and the remedy. */
 enum dm2_status results_continue(const char *directory, bool overwrite, const char *source, int64_t step,
                                  const struct config *config, struct measure_scales scales,
                                  const uint8_t digest[RESULTS_DIGEST_BYTES], struct results **out,
                                  struct dm2_error *err);
 
-/* Brings the tables to disk, then writes the state as checkpoint.dm2 and keeps the one before as
- * checkpoint.prev.dm2. Rows up to its step - 1 must have been added. The file's digest is the run's. */
+/* Brings the tables to disk, then writes the state as checkpoint.dm2 and keeps the previous checkpoint as
+ * checkpoint.prev.dm2. The rows up to state->step - 1 must have been added. The file gets the run's
+ * digest. */
 enum dm2_status results_checkpoint(struct results *r, const struct state_view *state, struct dm2_error *err);
 
 /* The step of the newest checkpoint in the directory that this run wrote or continues from; -1: none. */
@@ -66,20 +69,21 @@ int64_t results_checkpoint_step(const struct results *r);
 /* The directory, for messages. */
 const char *results_directory(const struct results *r);
 
-/* This and the following two: a step that is there already is not written again. A run that went back to an
- * earlier state repeats such steps, with the same numbers.
+/* results_history, results_profile and results_snapshot ignore a step that is already in the run directory,
+ * because a run that went back to an earlier state repeats such steps with the same numbers.
  *
- * Appends the row of one step. The column `total` = kinetic + potential + elastic + thermal + chemical +
- * phase - work is what an exact integration keeps constant; it is summed exactly before it is rounded. */
+ * Appends the row of one step to history.csv. The column `total` = kinetic + potential + elastic + thermal +
+ * chemical + phase - work is constant under exact integration; the sum is exact until it is rounded once. */
 enum dm2_status results_history(struct results *r, int64_t step, const struct measures *m,
                                 struct dm2_error *err);
 
-/* Appends the rows of one step of the deck's profile `which`. */
+/* Appends the rows of one step to the table of config->profiles[which]; `bins` has one sum per bin. */
 enum dm2_status results_profile(struct results *r, size_t which, int64_t step, const struct profile_bin *bins,
                                 struct dm2_error *err);
 
-/* Writes the state at `step` in each format that the deck asks for. Arrays in id order, `measured` beside
- * `elements`, `pairs` by (id_a, id_b). Counts its fragments. */
+/* Writes the state at `step` in each format that the deck asks for, and its fragments to fragments.csv.
+ * `elements` in id order, `measured` beside `elements`, `pairs` by (id_a, id_b). Also DM2_NUMERIC where a
+ * pair names an absent element. */
 enum dm2_status results_snapshot(struct results *r, int64_t step, const struct element *elements,
                                  const struct element_measure *measured, size_t n_elements,
                                  const struct pair_record *pairs, size_t n_pairs, struct dm2_error *err);
@@ -91,12 +95,12 @@ enum dm2_status results_final(struct results *r, const struct state_view *state,
 enum dm2_status results_text(struct results *r, const char *name, const char *text, size_t length,
                              struct dm2_error *err);
 
-/* Gives history.csv its name and frees r, also where that fails (then as results_abort). */
+/* Gives the tables their final names and frees r, also after a failure (as results_abort does). */
 enum dm2_status results_close(struct results *r, struct dm2_error *err);
 
-/* Removes what is not complete but for tables that a checkpoint needs, and
- * the directory where results_open made it and it is empty; frees r (NULL
- * is fine). Never fails: there is nobody left to tell. */
+/* Removes incomplete files, except tables that a checkpoint needs, and removes the directory where
+ * results_open made it and it is empty; frees r (NULL is accepted). Errors are ignored, because the run has
+ * failed already. */
 void results_abort(struct results *r);
 
 #endif

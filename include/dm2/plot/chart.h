@@ -1,4 +1,4 @@
-/* Charts of curves: measured ones as lines or markers, models dashed. */
+/* Charts of curves: measured curves as lines or markers, models dashed. */
 #ifndef DM2_PLOT_CHART_H
 #define DM2_PLOT_CHART_H
 
@@ -12,7 +12,7 @@ struct chart_series {
     const double *x, *y;
     size_t n;
     size_t colour; /* index of colour_category */
-    double shade;  /* used instead where `shaded`: of colour_sequential, 0 to 1 */
+    double shade;  /* of colour_sequential, 0 to 1; replaces `colour` where `shaded` */
     bool shaded;
     bool line, dashed, markers;
 };
@@ -25,8 +25,8 @@ struct chart {
     size_t n_series;
 };
 
-/* Draws the chart. A point that is not finite, or not positive on a logarithmic axis, is left out and
- * interrupts its line. DM2_USAGE where no point is left; DM2_IO, DM2_MEMORY. */
+/* Draws the chart into the SVG file `path`. A point that is not finite, or not positive on a logarithmic
+ * axis, is left out and interrupts its line. DM2_USAGE where no point is left; DM2_IO, DM2_MEMORY. */
 enum dm2_status chart_write(const char *path, const struct chart *chart, struct dm2_error *err);
 
 #endif

@@ -1,5 +1,4 @@
-/* Pictures of a state: every element a disc to scale, coloured by what it is or by what was measured of it.
- */
+/* Pictures of a state: every element a disc to scale, coloured by its kind or by a measured quantity. */
 #ifndef DM2_PLOT_PICTURE_H
 #define DM2_PLOT_PICTURE_H
 
@@ -11,8 +10,8 @@
 
 struct picture_options {
     const char *colour; /* one of picture_colours(); NULL: material */
-    bool links;         /* draw them too */
-    double range[2];    /* of the colours; NaN: as the values say */
+    bool links;         /* draw the links too */
+    double range[2];    /* of the colours; NaN: the range of the values */
     const char *title;  /* may be NULL */
     double width;       /* px; 0: 900 */
 };
@@ -20,9 +19,10 @@ struct picture_options {
 /* The words for `colour`, blank-separated, for usage and messages. */
 const char *picture_colours(void);
 
-/* Draws the state. The picture shows the domain, and beyond it, up to half of its larger side, the elements
- * that left it; those further out are counted in the subtitle. DM2_USAGE: a colour that is not known, that
- * the file has no array for, or a range or width that is none; DM2_IO, DM2_MEMORY. */
+/* Draws the state into the SVG file `path`. The picture shows the domain, and the elements that left it up
+ * to a distance of half its larger side; the subtitle counts the elements further out. DM2_USAGE: an
+ * unknown colour, a colour for which the file has no array, an empty range, or a width without room for
+ * the elements; DM2_IO, DM2_MEMORY. */
 enum dm2_status picture_write(const char *path, const struct vtp *vtp, const struct picture_options *options,
                               struct dm2_error *err);
 

@@ -1,5 +1,4 @@
-/* Reads snapshots back: VTK PolyData as this project writes it (output/snapshot.h), into arrays of doubles.
- */
+/* Reads snapshots: VTK PolyData as this program writes it (output/snapshot.h), into arrays of doubles. */
 #ifndef DM2_PLOT_VTP_READER_H
 #define DM2_PLOT_VTP_READER_H
 
@@ -27,21 +26,22 @@ struct vtp {
     struct vtp_array *arrays;
     size_t n_arrays;
     struct vtp_names materials, bodies;
-    /* shortcuts into `arrays` */
+    /* Pointers into `arrays`. */
     const double *position; /* n_points x 3 */
     const double *line;     /* n_lines x 2 indices of points, checked */
 };
 
-/* Reads a .vtp. DM2_IO, DM2_MEMORY; DM2_PROTOCOL with path:line where it is no well-formed PolyData with one
- * piece of inline binary (UInt64 headers, little-endian) or ascii arrays, an array has another length than
- * its points ask for, or a line names a point that is not there. vtp_free it. */
+/* Reads a .vtp into *out, which the caller frees with vtp_free; *out is empty after a failure. DM2_IO,
+ * DM2_MEMORY; DM2_PROTOCOL with path:line: the file is no well-formed PolyData with one piece of inline
+ * binary (UInt64 headers, little-endian) or ascii arrays, an array's length does not fit the number of
+ * points, or a line names an absent point. */
 enum dm2_status vtp_read(const char *path, struct vtp *out, struct dm2_error *err);
 void vtp_free(struct vtp *vtp);
 
-/* An array of a section, or NULL. */
+/* The array `name` of a section, or NULL. *vtp keeps it. */
 const struct vtp_array *vtp_find(const struct vtp *vtp, const char *section, const char *name);
 
-/* The first value of a field data array, or `otherwise` where there is none. */
+/* The first value of a field data array, or `otherwise` where the file lacks the array. */
 double vtp_value(const struct vtp *vtp, const char *name, double otherwise);
 
 #endif
