@@ -38,12 +38,3 @@ void *mem_grown(void *item, size_t *cap, size_t used, size_t need, size_t size)
     *cap = bigger;
     return grown;
 }
-
-int mem_grow(void **block, size_t *cap, size_t used, size_t need, size_t size)
-{
-    void *grown = mem_grown(*block, cap, used, need, size);
-    if (grown == NULL)
-        return -1;
-    *block = grown;
-    return 0;
-}

@@ -1,7 +1,7 @@
 # What the sources must not contain, whatever they compute: functions that overflow their buffers or run a shell;
 # in what makes results, functions whose last bits differ between C libraries; anything but portable C11. And that
-# each file opens with a comment on its idea, nothing lies at the top level that does not belong there, and each header
-# compiles alone.
+# each file opens with a comment on its idea and keeps to the lengths of docs/contributing.md, nothing lies at the top level
+# that does not belong there, and each header compiles alone.
 # labels: check
 . "$DM2_SRC/tests/lib.sh"
 
@@ -48,7 +48,6 @@ check_tree()
         FNR == 1 { close_file(); file = FILENAME; opens = /^\/\*/; inside = 0; numbers = file ~ /\/(base|deck|engine|output)\// }
         {
             lines = FNR
-            if (length($0) > 132) finding("longer than 132 columns")
             if (/^[ \t]*#[ \t]*include[ \t]*<(.*intrin|omp|complex|tgmath|pthread|threads|linux\/.*)\.h>/)
                 finding("not among what the project builds on")
             line = code($0)
@@ -67,7 +66,64 @@ check_tree()
     )
 }
 
-# The check itself, on one mistake at a time.
+# check_layout DIR: prints one line per file, function or line that is too long, per section whose name is not set as
+# `/* --- name --- */`, and per tag of a struct that has a second meaning in the program. clang-format sets the brace of a function alone in column 1, which is how its ends are found.
+check_layout()
+{
+    (
+        cd "$1" || exit 1
+        find src include tests -name '*.[ch]' | LC_ALL=C sort | xargs awk '
+        function finding(why) { print FILENAME ":" FNR ": " why }
+        function close_file() { if (lines > 600) print file ":" lines ": a file of more than 600 lines" }
+        FNR == 1 { close_file(); file = FILENAME; begin = 0; body = 0 }
+        { lines = FNR }
+        length($0) > 110 { finding("longer than 110 columns") }
+        /^\/\* ---/ && !/^\/\* --- .*[^-] --- \*\/$/ { finding("a section is written /* --- name --- */") }
+        /^$/ || /^#/ || /^\/\*/ || /^ \*/ { if (!body) begin = 0; next }
+        /^(struct|union|enum) [a-z_0-9]+ \{$/ && file !~ /^tests/ {
+            if ($2 in home) finding("the tag " $2 " has another meaning in " home[$2])
+            home[$2] = file
+        }
+        !begin { begin = FNR }
+        /^\{$/ { body = 1 }
+        /^\}/ {
+            if (body && FNR - begin + 1 > 60) finding("a function of " (FNR - begin + 1) " lines, 60 at most")
+            begin = 0
+            body = 0
+        }
+        END { close_file() }'
+    )
+}
+
+# The check of the layout, on a file that is right and on each mistake.
+mkdir -p tree/src/net tree/include tree/tests
+lines() # N: N lines of a body
+{
+    awk -v n="$1" 'BEGIN { for (k = 0; k < n; k++) print "    x++;" }'
+}
+{
+    printf '/* An idea. */\n/* --- a section --- */\n%s\n\nstatic int f(int a,\n             int b)\n{\n' "$(printf '%0110d' 0)"
+    lines 56
+    echo '}'
+} >tree/src/net/right.c
+check_layout tree >found
+[ ! -s found ] || { cat found; fail "the check of the layout finds fault with a file that is right"; }
+rm tree/src/net/right.c
+printf '%0111d\n' 0 >tree/src/net/wide.c
+printf '/* --- a section ------- */\n' >tree/include/section.h
+{
+    printf 'static int f(int a,\n             int b)\n{\n'
+    lines 57
+    echo '}'
+} >tree/tests/function.c
+lines 601 >tree/tests/file.c
+printf 'struct x {\n    int a;\n};\n' | tee tree/include/tag.h >tree/src/net/tag.h
+check_layout tree | sed -e 's/:.*//' >found
+printf '%s\n' include/section.h src/net/tag.h src/net/wide.c tests/file.c tests/function.c >expected
+LC_ALL=C sort found | diff expected - || fail "the check of the layout does not find exactly the mistakes that were made"
+rm -r tree
+
+# The check of the contents, on one mistake at a time.
 mkdir -p tree/src/engine tree/src/net tree/src/app tree/include/dm2/engine
 check_one() # FILE, EXPECTED NUMBER OF FINDINGS, TEXT
 {
@@ -94,14 +150,16 @@ check_one src/net/x.c 0 'double y = log(x);'
 check_one src/engine/x.c 1 'static __int128 t;'
 check_one src/engine/x.c 1 '#include <immintrin.h>'
 check_one src/net/x.c 1 '# include <pthread.h>'
-check_one src/net/x.c 1 "$(printf '%0133d' 0)"
 echo 'int x_count(void);' >tree/include/dm2/engine/x.h
 check_tree tree >found
 [ "$(wc -l <found)" -eq 1 ] || { cat found; fail "a header without a comment is not noticed"; }
 rm tree/include/dm2/engine/x.h
 
 # And now the project.
-check_tree "$DM2_SRC" >found
+{
+    check_tree "$DM2_SRC"
+    check_layout "$DM2_SRC"
+} >found
 [ ! -s found ] || { cat found; fail "see docs/architecture.md, \"How the code reads\""; }
 
 # The top level, as far as git keeps it: nothing that was left lying there.

@@ -21,8 +21,4 @@ void *mem_alloc(size_t count, size_t size);
  *     list->item = grown; */
 void *mem_grown(void *item, size_t *cap, size_t used, size_t need, size_t size);
 
-/* Lets *block hold at least `need` items of `size` bytes, as mem_grown does. Returns 0, or -1 with *block and
- * *cap unchanged. */
-int mem_grow(void **block, size_t *cap, size_t used, size_t need, size_t size);
-
 #endif
