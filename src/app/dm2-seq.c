@@ -148,7 +148,7 @@ static enum dm2_status take_step(struct sequence *s, struct dm2_error *err)
         subdomain_survey(s->sd, &spread);
     if (status == DM2_OK && rebuild_plan_step(&s->plan, dmax, survey ? &spread : NULL))
         status = rebuild_lists(s, err);
-    if (!snapshot) { /* the time of a step with a snapshot is not that of a step alone */
+    if (!snapshot) { /* a step with a snapshot takes longer and is not timed */
         s->report.stepping += clock_now() - started - (s->report.output - output);
         s->report.timed++;
     }

@@ -7,8 +7,8 @@
  * therefore k is measured at every size, with one program alone and with as many servers of that size as
  * there are processors. The k of a server exceeds that of dm2-seq under the same load, because a server
  * also evaluates the pairs across its boundary, keeps the data that it may have to undo, and finds its
- * caches as its client left them. The cell edges in the file are those of square cells that give the
- * largest run its number of cells. */
+ * caches as its client left them. The file's cell edges belong to square cells; the largest
+ * run sets the number of cells. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -118,7 +118,7 @@ static enum dm2_status measure_k(struct calibrate *c, struct calibration *out, s
         struct perf_size *size = &out->perf.size[out->perf.n_size];
         status = measure_size(c, c->sweep.n[i], processors, c->alone + count, out, size, err);
         count += (size_t)c->sweep.runs;
-        /* Sizes so small that the deck makes the same number of elements of both count once. */
+        /* Two sizes with the same number of elements count as one size. */
         out->perf.n_size += out->perf.n_size == 0 || size->n > size[-1].n;
     }
     if (status == DM2_OK)

@@ -231,7 +231,7 @@ static enum dm2_status read_constants(struct model_options *o, struct dm2_error 
 
 /* --- the form of the model --- */
 
-/* *second: the option is the second of the two words; false where it is the first, or not given. */
+/* *second: true for the second of the two words, false for the first word or an absent option. */
 static enum dm2_status read_word(const char *name, const char *text, const char *first, const char *other,
                                  bool *second, struct dm2_error *err)
 {

@@ -1,4 +1,5 @@
-/* Local servers are started for each measurement, because they serve one session. Named servers run on. */
+/* Local servers are started for each measurement, because a local server ends after one session. Named
+ * servers run on. */
 #include "server_choice.h"
 
 #include <stdio.h>

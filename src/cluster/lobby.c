@@ -1,5 +1,4 @@
-/* One poll for all descriptors: that of the session's client, the listener, and those of visitors that have
- * something to send.
+/* One poll covers all descriptors: the session's client, the listener, and the visitors that may send.
  *
  * With a key a visitor proves the key here, also while the server is busy, so that only visitors with the key
  * wait for their turn. Without a key the header of a visitor's first message shows the visitor's purpose. The

@@ -178,7 +178,8 @@ static void start_next_forces(struct session *s, int64_t step)
     s->times.ahead += s->ahead;
 }
 
-/* The exchange after a step. *asked is the NEXT of the step before, and becomes that of this step. */
+/* The exchange after a step. *asked holds the NEXT of the step before on entry, the NEXT of this step on
+ * return. */
 static enum dm2_status swap_segments(struct session *s, struct step_message *m, struct next_message *asked,
                                      struct dm2_error *err)
 {

@@ -260,7 +260,7 @@ static void clear_sums(const struct pass *pass)
         memset(p->pair_sum, 0, p->n * SUM_COUNT * sizeof *p->pair_sum);
 }
 
-/* Evaluates the parts that force_ahead has not. Where measured far pairs leave the range of lanes, their
+/* Evaluates the parts that force_ahead left out. Where measured far pairs leave the range of lanes, their
  * evaluation starts again with plain loops: no near pair has been measured by then. */
 static void evaluate_parts(struct pass *pass, struct lists *l)
 {

@@ -1,11 +1,11 @@
 /* The reaction pass.
  *
  * A contact reacts by the reactants of its two elements at the start of the step, independently of other
- * contacts; each contact takes at most a fixed part of them (1/8; 1/64 where radii differ so much that a disc
- * may touch many), so that no order of pairs can overdraw an element. Masses are added as integers: any order
- * and any number of servers give the same bits. Product gains exactly the mass that A and B lose, because the
- * fraction of product is 1 less the fractions of A and B. Each element gets the heat of the product that
- * forms in it, so that both come to the same temperature.
+ * contacts; each contact takes at most a fixed part of the reactants (1/8; 1/64 where radii differ so much
+ * that a disc may touch many), so that no order of pairs can overdraw an element. Masses are added as
+ * integers: any order and any number of servers give the same bits. Product gains exactly the mass that A and
+ * B lose, because the fraction of product is 1 less the fractions of A and B. Each element gets the heat of
+ * the product that forms in it, so that the two elements come to the same temperature.
  *
  * Rates are evaluated with the forces and applied after the move, so that a row of the history is taken
  * before the change of composition and before its heat. */

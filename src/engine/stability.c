@@ -46,9 +46,9 @@ static void limit_by_law(struct model *m, double mass, double m_eff, size_t a, s
 }
 
 /* Goes through all elements of the deck and all laws that can act on them. m_eff is the effective mass of the
- * two kinds where the law has it, and otherwise the effective mass with the heaviest element of the deck as
- * partner, which is never too small. Heat conduction: 9 kappa/sqrt(3) / (m cp) dt < 2 for the shortest wave
- * of the hexagonal lattice. */
+ * two kinds where the law has constants by mass (cn_mass >= 0), and otherwise the effective mass with the
+ * heaviest element of the deck as partner, which is never too small. Heat conduction: 9 kappa/sqrt(3) / (m
+ * cp) dt < 2 for the shortest wave of the hexagonal lattice. */
 void stability_find_time_step(struct model *m)
 {
     const struct config *c = m->config;

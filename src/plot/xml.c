@@ -2,8 +2,8 @@
  * copied.
  *
  * Well-formedness is checked on the way: tags nest, there is one root, attributes are quoted and unique,
- * `<` and `&` occur only where they are allowed, and there are no control characters. The line of a
- * message is counted when it is needed. */
+ * `<` and `&` occur only where they are allowed, and there are no control characters. Lines are counted
+ * only for a message. */
 #include "xml.h"
 
 #include <ctype.h>
@@ -197,7 +197,7 @@ static enum xml_event take_end(struct xml *x, struct dm2_error *err)
     return XML_END;
 }
 
-/* Each skips one construct and returns NULL, or the fault. */
+/* A skip function skips one construct and returns NULL, or the fault. */
 static const char *skip_declaration(struct xml *x)
 {
     if (x->began)

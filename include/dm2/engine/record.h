@@ -41,7 +41,7 @@ enum { ELEMENT_FIELDS = 19, ELEMENT_DOUBLES = 16 };
 /* In the order of messages (docs/protocol.md). */
 extern const struct element_field element_fields[ELEMENT_FIELDS];
 
-/* What of an element becomes bytes, and in which order. All numbers are little-endian, doubles as their IEEE
+/* The form of a record: its fields and their order. All numbers are little-endian, doubles as their IEEE
  * 754 bits. */
 enum record_form {
     RECORD_MIRROR, /* a mirrored element: all but the owner's fields, in the order of the table */
@@ -58,7 +58,7 @@ void record_put(struct bytes_writer *w, enum record_form form, const struct elem
  * and *out is all 0. The values are not checked: see record_fault. */
 void record_get(struct bytes_reader *r, enum record_form form, struct element *out);
 
-/* How many there are of what an element has an index of. */
+/* The numbers of elements, bodies, kinds and probes of a run, which bound the indices in an element. */
 struct record_limits {
     size_t elements, bodies, kinds, probes; /* probes: at most PROBE_MAX */
 };
