@@ -12,11 +12,6 @@
 #include "state_reader.h"
 #include "subdomain_parts.h"
 
-enum dm2_status subdomain_no_memory(const struct subdomain *sd, struct dm2_error *err)
-{
-    return dm2_fail(err, DM2_MEMORY, "no memory for a subdomain of %zu elements", sd->p.n);
-}
-
 /* Makes room for n elements. 0, or -1 without memory. */
 static int reserve_elements(struct element_array *a, size_t n)
 {

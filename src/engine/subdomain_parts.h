@@ -89,7 +89,10 @@ struct subdomain {
 };
 
 /* DM2_MEMORY, with its text. */
-enum dm2_status subdomain_no_memory(const struct subdomain *sd, struct dm2_error *err);
+static inline enum dm2_status subdomain_no_memory(const struct subdomain *sd, struct dm2_error *err)
+{
+    return dm2_fail(err, DM2_MEMORY, "no memory for a subdomain of %zu elements", sd->p.n);
+}
 
 /* Makes *b hold count items of `size` bytes, with no contents kept: the items, or NULL without memory. */
 static inline void *block_hold(struct block *b, size_t count, size_t size)
