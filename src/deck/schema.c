@@ -152,7 +152,7 @@ static const struct deck_key phase_keys[] = {
 
 static const struct deck_key reaction_keys[] = {
     {"reactants", VALUE_MATERIALS, 2, PLAIN, ANY, .required = true, REACTION(reactant),
-     .meaning = "the two materials that react where elements of them touch"},
+     .meaning = "the two materials that react where elements of them are linked or touch"},
     {"product", VALUE_MATERIALS, 1, PLAIN, ANY, .required = true, REACTION(product),
      .meaning = "the material that they become"},
     {"kind", VALUE_CHOICE, 1, PLAIN, ANY, .choices = "stoichiometric|non-stoichiometric",

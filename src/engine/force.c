@@ -103,7 +103,7 @@ DM2_INLINE void evaluate_pair(struct pass *pass, struct lists *l, uint32_t i, ui
         dy = period_nearest(dy, pass->period.size[1], pass->period.half[1]);
     }
     double r2 = dx * dx + dy * dy, r0 = p->radius[i] + p->radius[j];
-    if (r2 > r0 * r0 * (1.0 + 0x1p-40) && !lists_remembers(l, k))
+    if (law_far_apart(r2, r0) && !lists_remembers(l, k))
         return; /* no contact, no memory: most near pairs that are not linked */
     const struct pair_law *law = particles_law(m, p, i, j);
     double distance = sqrt(r2), over = r2 > 0.0 ? 1.0 / distance : 0.0, nx = dx * over, ny = dy * over;

@@ -25,7 +25,8 @@
 struct bond {
     double r0;            /* cm; 0: the pair's r0 is not known beforehand, so there are no constants */
     double over_r0;       /* 1/r0 */
-    double forms, breaks; /* link_form r0, link_break r0, cm */
+    double touch;         /* law_touch_length(r0), cm */
+    double forms, breaks; /* link_form r0, link_break touch, cm */
     double area;          /* A = r0/sqrt(3) h, the facet of the hexagon, cm2 */
     double alpha;         /* Morse: shape/r0, 1/cm */
     double force, energy; /* the potential's prefactors: Morse k/alpha and k/(2 alpha^2); quadratic k and k/2;
@@ -100,6 +101,30 @@ static inline double law_lesser(double a, double b)
     return a < b ? a : b;
 }
 
+/* --- touching --- */
+
+/* The distance up to which two elements of contact distance r0 touch, cm. The tolerance of 2^-26 r0 takes in
+ * the rounding of positions, some 2^-53 of the domain, in domains of 1e6 spacings 15 times over; as a strain
+ * of metals 2^-26 is some kPa. */
+DM2_INLINE double law_touch_length(double r0)
+{
+    return r0 * (1.0 + 0x1p-26);
+}
+
+/* Do two elements at the distance r, cm, touch? Force, heat, friction, reaction, strain, measures and lists
+ * ask here, or compare r with law_touch_length. */
+DM2_INLINE bool law_touches(double r, double r0)
+{
+    return r <= law_touch_length(r0);
+}
+
+/* Is r2, the square of a distance, certainly too large for touching? False near the limit: then law_touches
+ * decides. Spares the loops a root. */
+DM2_INLINE bool law_far_apart(double r2, double r0)
+{
+    return r2 > r0 * r0 * (1.0 + 0x1p-24);
+}
+
 /* --- central potentials --- */
 
 /* The constants of a law at contact distance r0 (docs/physics.md, section 3). */
@@ -107,8 +132,9 @@ static inline struct bond law_bond(const struct pair_law *law, double r0)
 {
     struct bond b = {.r0 = r0,
                      .over_r0 = 1.0 / r0,
+                     .touch = law_touch_length(r0),
                      .forms = law->link_form * r0,
-                     .breaks = law->link_break * r0,
+                     .breaks = law->link_break * law_touch_length(r0),
                      .area = r0 * 0x1.279a74590331dp-1 /* 1/sqrt(3) */};
     if (law->potential == POTENTIAL_MORSE) {
         double a = r0 / law->shape;
@@ -201,14 +227,17 @@ DM2_INLINE bool law_status(const struct pair_law *law, const struct bond *bond, 
     return false;
 }
 
-/* Returns the central force f of the bond, with yield in tension; 0 where the potential has scope `all`. Sets
- * the potential energy. */
+/* Returns the central force f of the bond, with yield in tension; 0 where the potential has scope `all`, and
+ * in a contact from r0 on, where the repulsion ends. Sets the potential energy. */
 DM2_INLINE double law_central(const struct pair_law *law, const struct bond *bond, const struct pair_view *p,
                               struct pair_state *s, struct pair_effect *out)
 {
     if (law->scope != SCOPE_LINKED)
         return 0.0;
-    double r = p->r, x = r - s->stretch, energy, f = bond_force(law, bond, x, &energy);
+    double r = p->r, x = r - s->stretch, energy, f;
+    if (!s->linked && r >= bond->r0)
+        return 0.0;
+    f = bond_force(law, bond, x, &energy);
     double cap = law_lesser(law->tensile_i * p->soft_i, law->tensile_j * p->soft_j) * bond->area;
     if (s->linked && cap < INFINITY) {
         double before = s->stretch;
@@ -291,7 +320,7 @@ DM2_INLINE void pair_interact(const struct pair_law *law, const struct pair_view
 {
     double r0 = p->radius_i + p->radius_j;
     const struct bond bond = r0 == law->bond.r0 ? law->bond : law_bond(law, r0);
-    *out = (struct pair_effect){.contacting = p->r <= r0};
+    *out = (struct pair_effect){.contacting = p->r <= bond.touch};
     if (!law_status(law, &bond, p->r, s, out))
         return;
     double f = law_central(law, &bond, p, s, out);

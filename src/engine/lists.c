@@ -16,8 +16,8 @@
 #include "flaws.h"
 #include "periodic.h"
 
-/* Lattice neighbours closer than this times r0 start linked: contact, with a tolerance for rounded spacings.
- */
+/* Lattice neighbours closer than this times the distance of touching start linked: contact, with a tolerance
+ * for rounded spacings. */
 static const double initial_reach = 1.02;
 
 struct builder {
@@ -124,7 +124,8 @@ static void consider_near(struct builder *b, uint32_t i, uint32_t j, double r2)
     const struct particles *p = b->p;
     enum relation relation = relation_of(p->body[i], p->grain[i], p->body[j], p->grain[j]);
     const struct pair_law *law = model_law(b->m, p->kind[i], p->kind[j], relation);
-    double r0 = p->radius[i] + p->radius[j], reach = r0 * b->m->growth + b->m->margins.close;
+    double r0 = p->radius[i] + p->radius[j],
+           reach = law_touch_length(r0 * b->m->growth) + b->m->margins.close;
     if (b->initial && r2 < 0.25 * (r0 * r0) && !b->overlap) {
         b->overlap = true;
         b->close_a = i;
@@ -132,8 +133,8 @@ static void consider_near(struct builder *b, uint32_t i, uint32_t j, double r2)
     }
     if (!law->near)
         return;
-    bool linked = b->initial && law->initial_link && r2 <= (initial_reach * r0) * (initial_reach * r0) &&
-                  !is_link_missing(b, i, j);
+    double starts = initial_reach * law_touch_length(r0);
+    bool linked = b->initial && law->initial_link && r2 <= starts * starts && !is_link_missing(b, i, j);
     /* The boundary sets the distance of neighbours in two grains: their links start without force. */
     double stretch = linked && relation == RELATION_OTHER_GRAIN ? sqrt(r2) - r0 : 0.0;
     if (linked || r2 <= reach * reach)
@@ -325,11 +326,11 @@ int lists_carry_reserve(struct lists *l, size_t n_own, void *room, size_t bytes)
 static struct builder start_builder(struct lists *lists, const struct model *m, const struct particles *p,
                                     bool initial)
 {
-    double dr = m->config->delta_r,
-           near = m->has_near || initial ? 2.0 * m->radius_max + m->margins.close : 0.0;
+    double dr = m->config->delta_r, touch = law_touch_length(2.0 * m->radius_max),
+           near = m->has_near || initial ? touch + m->margins.close : 0.0;
     struct builder b = {.lists = lists, .m = m, .p = p, .initial = initial, .period = period_of(&m->grid)};
-    if (initial && near < initial_reach * 2.0 * m->radius_max)
-        near = initial_reach * 2.0 * m->radius_max;
+    if (initial && near < initial_reach * touch)
+        near = initial_reach * touch;
     b.far_reach2 = m->has_far ? (m->far_cutoff + dr) * (m->far_cutoff + dr) : -1.0;
     b.near_reach2 = near > 0.0 ? near * near : -1.0;
     return b;

@@ -52,11 +52,12 @@ static enum dm2_status check_reach(const struct model *m, struct dm2_error *err)
  * are only that much larger. */
 static struct margins choose_margins(const struct model *m)
 {
-    double contact = 2.0 * m->radius_max, dr = m->config->delta_r, reach = m->config->r_c + dr;
-    struct margins of = {.close = dr,
-                         .wide = reach - (m->has_far && m->far_cutoff > contact ? m->far_cutoff : contact)};
+    double contact = law_touch_length(2.0 * m->radius_max), dr = m->config->delta_r,
+           reach = m->config->r_c + dr;
+    struct margins of = {.wide = reach - (m->has_far && m->far_cutoff > contact ? m->far_cutoff : contact)};
+    of.close = dr < of.wide ? dr : of.wide;
     double more = second_shell * contact < of.wide ? second_shell * contact : of.wide;
-    if (!m->has_far && more > dr)
+    if (!m->has_far && more > of.close)
         of.close = more;
     return of;
 }

@@ -179,7 +179,7 @@ DM2_INLINE void measure_lanes(const struct pass *pass, const struct bond *bond, 
     out->around[AROUND_XX] = SIMD_FIXED(dx * dx * scale->around);
     out->around[AROUND_YY] = SIMD_FIXED(dy * dy * scale->around);
     out->around[AROUND_XY] = SIMD_FIXED(dx * dy * scale->around);
-    out->virial[VIRIAL_TALLY] = one * TALLY_PAIR + link + (one * TALLY_CONTACT & (at->r <= bond->r0));
+    out->virial[VIRIAL_TALLY] = one * TALLY_PAIR + link + (one * TALLY_CONTACT & (at->r <= bond->touch));
     out->potential = SIMD_FIXED(KEPT(potential, *left));
     out->elastic = SIMD_FIXED(KEPT(elastic, *left));
 }

@@ -86,7 +86,7 @@ static double find_bond_energy(const struct pair_law *law, double r, double r0, 
                                double spring)
 {
     double u = 0.0, kt = linked ? law->kt_link : law->kt_contact;
-    if (linked || r <= r0)
+    if (linked || r < r0)
         (void)potential_force(law, linked ? r - stretch : r, r0, &u);
     return u + 0.5 * kt * (spring * spring);
 }

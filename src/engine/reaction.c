@@ -1,11 +1,12 @@
 /* The reaction pass.
  *
- * A contact reacts by the reactants of its two elements at the start of the step, independently of other
- * contacts; each contact takes at most a fixed part of the reactants (1/8; 1/64 where radii differ so much
- * that a disc may touch many), so that no order of pairs can overdraw an element. Masses are added as
- * integers: any order and any number of servers give the same bits. Product gains exactly the mass that A and
- * B lose, because the fraction of product is 1 less the fractions of A and B. Each element gets the heat of
- * the product that forms in it, so that the two elements come to the same temperature.
+ * A pair reacts while its elements are linked or touch, by the reactants of its two elements at the start of
+ * the step, independently of other pairs; each pair takes at most a fixed part of the reactants (1/8; 1/64
+ * where radii differ so much that a disc may touch many), so that no order of pairs can overdraw an element.
+ * Masses are added as integers: any order and any number of servers give the same bits. Product gains exactly
+ * the mass that A and B lose, because the fraction of product is 1 less the fractions of A and B. Each
+ * element gets the heat of the product that forms in it, so that the two elements come to the same
+ * temperature.
  *
  * Rates are evaluated with the forces and applied after the move, so that a row of the history is taken
  * before the change of composition and before its heat. */
@@ -85,7 +86,7 @@ enum dm2_status reaction_evaluate(const struct model *m, const struct particles 
             double dx = period_nearest(p->r[2 * i] - p->r[2 * j], period.size[0], period.half[0]);
             double dy = period_nearest(p->r[2 * i + 1] - p->r[2 * j + 1], period.size[1], period.half[1]);
             double r0 = p->radius[i] + p->radius[j];
-            if (sqrt(dx * dx + dy * dy) > r0)
+            if (!lists->linked[k] && !law_touches(sqrt(dx * dx + dy * dy), r0))
                 continue;
             double mean = 0.5 * (p->temperature[i] + p->temperature[j]), area = r0 * facet;
             if ((forward && !react_pair(m, p, i, j, mean, area, dt_kick, sums->item)) ||

@@ -1,4 +1,5 @@
-/* The reaction of two materials, A + B -> product, between contacting elements. Elements keep their mass and
+/* The reaction of two materials, A + B -> product, between elements that are linked
+ * or touch. Elements keep their mass and
  * size; the reaction changes their composition, the mass fractions of A and B; the rest is product. Source:
  * paper, section 2.3; equations: docs/physics.md, section 9. */
 #ifndef DM2_ENGINE_REACTION_H
@@ -30,8 +31,8 @@ struct reaction_side {
 void reaction_rate(const struct reaction_table *x, struct reaction_side a, struct reaction_side b,
                    double temperature, double area, double dt, double reacted[2]);
 
-/* Sets *sums to the reactions of all contacting pairs at the present positions over dt_kick, us. DM2_MEMORY;
- * DM2_NUMERIC: a heat out of range, with ids and step. The caller frees sums->item. */
+/* Sets *sums to the reactions of all pairs that are linked or touch, at the present positions over dt_kick,
+ * us. DM2_MEMORY; DM2_NUMERIC: a heat out of range, with ids and step. The caller frees sums->item. */
 enum dm2_status reaction_evaluate(const struct model *m, const struct particles *p, const struct lists *lists,
                                   double dt_kick, int64_t step, struct reaction_sums *sums,
                                   struct dm2_error *err);

@@ -103,7 +103,7 @@ enum dm2_status strain_add(const struct model *m, struct particles *p, const str
                 r[a] = period_nearest(p->r[2 * i + a] - p->r[2 * j + a], period.size[a], period.half[a]);
                 u[a] = (p->v[2 * i + a] - p->v[2 * j + a]) * dt_path;
             }
-            if (!lists->linked[k] && r[0] * r[0] + r[1] * r[1] > contact * contact)
+            if (!lists->linked[k] && !law_touches(sqrt(r[0] * r[0] + r[1] * r[1]), contact))
                 continue;
             for (int a = 0; a < 2; a++)
                 r[a] -= 0.5 * u[a];

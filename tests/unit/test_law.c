@@ -346,7 +346,41 @@ TEST(conduction_is_fouriers)
     }
 }
 
-TEST_MAIN(CASE(damping_follows_pressure_and_temperature), CASE(conduction_is_fouriers),
-          CASE(potentials_have_their_closed_forms), CASE(force_is_the_slope_of_the_energy),
-          CASE(stiffness_at_contact), CASE(yield_lengths_carry_the_cap), CASE(exchange_changes_signs_alone),
+/* A contact has a tolerance of 2^-26 of its r0; from r0 on its force and energy are 0. */
+TEST(touching_ends_behind_the_repulsion)
+{
+    static const double beyond[] = {-1e-9, 0.0, 1e-9, 1.4e-8, 1.6e-8, 1e-6};
+    for (int p = 0; p < 3; p++) {
+        struct pair_law law = law_of(kinds[p]);
+        law.cn = law.ct = 0.0;
+        law.conduction = 1.0;
+        for (int k = 0; k < 6; k++) {
+            double r = r0 * (1.0 + beyond[k]);
+            struct pair_view v = {.r = r,
+                                  .over_r = 1.0 / r,
+                                  .radius_i = 0.5 * r0,
+                                  .radius_j = 0.5 * r0,
+                                  .vt = 0.01,
+                                  .mass_i = 1.0,
+                                  .mass_j = 1.0,
+                                  .t_j = 100.0};
+            struct pair_state s = {.linked = false};
+            struct pair_effect e;
+            pair_interact(&law, &v, 1.0, 1.0, &s, &e);
+            CHECK(e.contacting == (k < 4) && e.contacting == law_touches(r, r0));
+            CHECK((e.exchange > 0.0) == (k < 4));
+            CHECK((e.fn > 0.0) == (k == 0) && (e.potential > 0.0) == (k == 0) && (e.ft != 0.0) == (k == 0));
+            s = (struct pair_state){.linked = true};
+            pair_interact(&law, &v, 1.0, 1.0, &s, &e);
+            CHECK(e.contacting == (k < 4) && e.exchange > 0.0 && s.linked);
+            CHECK(k == 1 || (e.fn > 0.0) == (k == 0));
+        }
+        CHECK(!law_far_apart(law_touch_length(r0) * law_touch_length(r0), r0));
+    }
+}
+
+TEST_MAIN(CASE(touching_ends_behind_the_repulsion), CASE(damping_follows_pressure_and_temperature),
+          CASE(conduction_is_fouriers), CASE(potentials_have_their_closed_forms),
+          CASE(force_is_the_slope_of_the_energy), CASE(stiffness_at_contact),
+          CASE(yield_lengths_carry_the_cap), CASE(exchange_changes_signs_alone),
           CASE(tension_yield_is_a_return_map))

@@ -101,8 +101,9 @@ TEST(the_margins_follow_from_the_deck)
     struct engine g;
     engine_start(&g, crowd, NULL, 1);
     struct margins of = model_margins(g.model);
-    CHECK_NEAR(of.close, 0.6 * 0.04, 1e-12); /* more than dR */
-    CHECK_NEAR(of.wide, 0.13 - 0.04, 1e-12); /* R_c + dR less contact */
+    double touch = 0.04 * (1.0 + 0x1p-26);
+    CHECK_NEAR(of.close, 0.6 * touch, 1e-15); /* more than dR */
+    CHECK_NEAR(of.wide, 0.13 - touch, 1e-15); /* R_c + dR less the distance of touching */
     engine_stop(&g);
     engine_start(&g,
                  "domain { size = 20 20; r_c = 2.5; delta_r = 0.25 }\n"

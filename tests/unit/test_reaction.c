@@ -180,7 +180,8 @@ TEST(converted_masses_are_lost_by_the_shares)
     struct particles p;
     struct reaction_sums sums = {0};
     uint32_t start[] = {0, 2, 3, 3}, partner[] = {1, 2, 2};
-    struct lists lists = {.near = {.start = start, .j = partner}};
+    uint8_t linked[3] = {0};
+    struct lists lists = {.near = {.start = start, .j = partner}, .linked = linked};
     double mass[3], want[3][2], heat[3];
     put_trio(&p, m, mass, heat);
     sum_trio_rates(x, mass, want);
