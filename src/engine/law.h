@@ -90,7 +90,7 @@ struct pair_effect {
     double fn, ft;       /* total force on i along n and t, Mbar cm2; without the potential of scope `all` */
     double fdn, fdt;     /* damping parts of fn and ft */
     double arm_i, arm_j; /* lever arms of ft, cm: the torque on i is -arm_i ft, on j -arm_j ft */
-    double heat;         /* freed at once by slip, yield and breaking, g cm2/us2 */
+    double heat;         /* freed at once by slip, yield and breaking, g cm2/us2 (law_freed) */
     double heat_damped;  /* lagged damping heat of this step */
     double exchange;     /* heat conducted to i in this step, g cm2/us2 */
     double potential, elastic; /* energies, g cm2/us2 */
@@ -198,39 +198,73 @@ DM2_INLINE bool law_pulls_too_hard(const struct pair_law *law, const struct bond
 
 /* --- the parts of the law --- */
 
+/* The energy book. The kinetic energy at a whole step holds half a kick of this step's force. So a bond whose
+ * energy and force jump at its present length, from u, f before to u, f after, frees
+ *   u_before - u_after + (f_before - f_after) v_n dt/2,
+ * dt the time since the last positions; a spring, s long at the last positions, whose stiffness or memory
+ * ends, kt s (s + v_t dt)/2 (docs/physics.md, section 7). Either may be below 0, by |f v_n| dt/2 and kt |s
+ * v_t| dt at most. */
+DM2_INLINE double law_freed(double u_before, double u_after, double f_before, double f_after, double vn,
+                            double dt_path)
+{
+    return (u_before - u_after) + (f_before - f_after) * (vn * (0.5 * dt_path));
+}
+
+DM2_INLINE double law_spring_freed(double kt, double spring, double vt, double dt_path)
+{
+    return 0.5 * kt * (spring * (spring + vt * dt_path));
+}
+
+/* The tangential velocity of the contact points, v_t; sets the lever arms of the tangential force. */
+DM2_INLINE double law_sliding(const struct bond *bond, const struct pair_view *p, struct pair_effect *out)
+{
+    double share = p->r * bond->over_r0;
+    out->arm_i = share * p->radius_i;
+    out->arm_j = share * p->radius_j;
+    return p->vt - (p->w_i * out->arm_i + p->w_j * out->arm_j);
+}
+
+/* Ends the spring of a pair, of stiffness kt: its energy becomes heat. */
+DM2_INLINE void law_end_spring(double kt, const struct bond *bond, const struct pair_view *p, double dt_path,
+                               struct pair_state *s, struct pair_effect *out)
+{
+    if (s->spring == 0.0)
+        return;
+    out->heat += law_spring_freed(kt, s->spring, law_sliding(bond, p, out), dt_path);
+    s->spring = 0.0;
+}
+
 /* Status (paper, section 4): a contact follows from the positions, a link has memory. A link that breaks
  * frees the energy of its bond and its spring, a contact that ends the energy of its spring. False: the pair
  * is neither linked nor in contact, so no force acts. */
-DM2_INLINE bool law_status(const struct pair_law *law, const struct bond *bond, double r,
-                           struct pair_state *s, struct pair_effect *out)
+DM2_INLINE bool law_status(const struct pair_law *law, const struct bond *bond, const struct pair_view *p,
+                           double dt_path, struct pair_state *s, struct pair_effect *out)
 {
     if (s->linked) {
-        if (r > bond->breaks) {
-            double energy = 0.0;
+        if (p->r > bond->breaks) {
+            double energy = 0.0, f = 0.0;
             if (law->scope == SCOPE_LINKED)
-                (void)bond_force(law, bond, r - s->stretch, &energy);
-            out->heat += energy + 0.5 * law->kt_link * (s->spring * s->spring);
+                f = bond_force(law, bond, p->r - s->stretch, &energy);
+            out->heat += law_freed(energy, 0.0, f, 0.0, p->vn, dt_path);
+            law_end_spring(law->kt_link, bond, p, dt_path, s, out);
             *s = (struct pair_state){.linked = false};
         }
-    } else if (r <= bond->forms) {
-        if (law->kt_link != law->kt_contact) {
-            out->heat += 0.5 * law->kt_contact * (s->spring * s->spring);
-            s->spring = 0.0;
-        }
+    } else if (p->r <= bond->forms) {
+        if (law->kt_link != law->kt_contact)
+            law_end_spring(law->kt_contact, bond, p, dt_path, s, out);
         s->linked = true;
         s->stretch = 0.0;
     }
     if (s->linked || out->contacting)
         return true;
-    out->heat += 0.5 * law->kt_contact * (s->spring * s->spring);
-    s->spring = 0.0;
+    law_end_spring(law->kt_contact, bond, p, dt_path, s, out);
     return false;
 }
 
 /* Returns the central force f of the bond, with yield in tension; 0 where the potential has scope `all`, and
  * in a contact from r0 on, where the repulsion ends. Sets the potential energy. */
 DM2_INLINE double law_central(const struct pair_law *law, const struct bond *bond, const struct pair_view *p,
-                              struct pair_state *s, struct pair_effect *out)
+                              double dt_path, struct pair_state *s, struct pair_effect *out)
 {
     if (law->scope != SCOPE_LINKED)
         return 0.0;
@@ -250,8 +284,9 @@ DM2_INLINE double law_central(const struct pair_law *law, const struct bond *bon
             s->stretch = r > at ? r - at : 0.0;
         }
         if (s->stretch != before) {
-            out->heat += cap * fabs(s->stretch - before);
+            double pulled = f, held = energy;
             f = bond_force(law, bond, r - s->stretch, &energy);
+            out->heat += law_freed(held, energy, pulled, f, p->vn, dt_path);
         }
     }
     out->potential = energy;
@@ -288,10 +323,7 @@ DM2_INLINE void law_tangential(const struct pair_law *law, const struct bond *bo
                                double ct, double dt_kick, double dt_path, struct pair_state *s,
                                struct pair_effect *out)
 {
-    double share = p->r * bond->over_r0;
-    out->arm_i = share * p->radius_i;
-    out->arm_j = share * p->radius_j;
-    double vt = p->vt - (p->w_i * out->arm_i + p->w_j * out->arm_j);
+    double vt = law_sliding(bond, p, out);
     double kt = s->linked ? law->kt_link : law->kt_contact;
     double cap = s->linked ? law_lesser(law->yield_i * p->soft_i, law->yield_j * p->soft_j) * bond->area
                            : law->mu * out->fn;
@@ -321,9 +353,9 @@ DM2_INLINE void pair_interact(const struct pair_law *law, const struct pair_view
     double r0 = p->radius_i + p->radius_j;
     const struct bond bond = r0 == law->bond.r0 ? law->bond : law_bond(law, r0);
     *out = (struct pair_effect){.contacting = p->r <= bond.touch};
-    if (!law_status(law, &bond, p->r, s, out))
+    if (!law_status(law, &bond, p, dt_path, s, out))
         return;
-    double f = law_central(law, &bond, p, s, out);
+    double f = law_central(law, &bond, p, dt_path, s, out);
     double ct = law_damping(law, p, s->linked, f, out);
     if (law->tangential)
         law_tangential(law, &bond, p, ct, dt_kick, dt_path, s, out);

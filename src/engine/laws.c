@@ -169,7 +169,6 @@ enum dm2_status laws_build(struct model *m, struct dm2_error *err)
                 m->has_far |= law->scope == SCOPE_ALL;
                 m->has_near |= law->near;
                 m->has_spin |= law->tangential;
-                m->has_damping |= law->cn > 0.0 || law->ct > 0.0 || law->tangential;
                 m->has_heat |= law->conduction > 0.0 || (law->cn > 0.0 && law->a_t != 0.0);
                 m->has_pressure |= law->cn > 0.0 && law->a_p != 0.0;
                 double cutoff = sqrt(law->cutoff2);

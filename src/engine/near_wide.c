@@ -217,8 +217,9 @@ DM2_INLINE void add_tally(struct pass *pass, const struct link_quad *q, const st
 /* Yield in tension, in the lanes *pulled: the residual stretch at which the bond holds its strength `cap`,
  * the heat of the yield, and the bond with this stretch. A lane in which the attraction never reaches the cap
  * is added to *left. */
-DM2_INLINE void yield_lanes(const struct pair_law *law, const simd_real *cap, const simd_int *pulled,
-                            struct lanes *at, simd_real *stretch, simd_real *heat, simd_int *left)
+DM2_INLINE void yield_lanes(const struct pass *pass, const struct pair_law *law, const simd_real *cap,
+                            const simd_int *pulled, struct lanes *at, simd_real *stretch, simd_real *heat,
+                            simd_int *left)
 {
     const struct bond *bond = &law->bond;
     simd_real q = *cap * law->shape / (law->k * bond->r0), root = 1.0 - 4.0 * q, log, e;
@@ -226,14 +227,17 @@ DM2_INLINE void yield_lanes(const struct pair_law *law, const simd_real *cap, co
     root = (simd_real){sqrt(root[0]), sqrt(root[1]), sqrt(root[2]), sqrt(root[3])};
     root = 0.5 * (1.0 + root);
     log_lanes(&root, &log);
-    simd_real held = at->r - (bond->r0 - log * bond->r0 / law->shape), change = held - *stretch;
+    simd_real held = at->r - (bond->r0 - log * bond->r0 / law->shape), f;
     simd_real x = at->r - held, power = law->shape - bond->alpha * x;
     exp_lanes(&power, &e);
-    *heat = KEPT(*cap * SIMD_MAGNITUDE(change), ~*pulled);
+    f = bond->force * (e * e - e);
+    simd_real before = bond->energy * ((1.0 - at->e) * (1.0 - at->e)),
+              after = bond->energy * ((1.0 - e) * (1.0 - e));
+    *heat = KEPT((before - after) + (at->f - f) * (at->vn * (0.5 * pass->dt_path)), ~*pulled); /* law_freed */
     *stretch = SIMD_CHOOSE(*pulled, held, *stretch);
     at->x = SIMD_CHOOSE(*pulled, x, at->x);
     at->e = SIMD_CHOOSE(*pulled, e, at->e);
-    at->f = SIMD_CHOOSE(*pulled, bond->force * (e * e - e), at->f);
+    at->f = SIMD_CHOOSE(*pulled, f, at->f);
 }
 
 static inline bool all_linked(const struct lists *l, const struct link_quad *q)
@@ -362,7 +366,7 @@ DM2_INLINE void interact(struct pass *pass, struct lists *l, const struct pair_l
     find_left(law, l, q, at, &stretch, &tension, left);
     simd_int pulled = (at->f < -tension) & ~*left;
     if (yields && any_lane(&pulled))
-        yield_lanes(law, &tension, &pulled, at, &stretch, &e.heat, left);
+        yield_lanes(pass, law, &tension, &pulled, at, &stretch, &e.heat, left);
     damping_lanes(law, p, q, at, &e);
     if (tangential) {
         before = spring = OF_K(l->spring);

@@ -7,9 +7,9 @@
  * Energy: the internal energy of a phase is m (cp (T - T0) + e), e a constant of the phase that follows from
  * the latent heat; a change keeps this sum, so that m e leaves the thermal energy. The energies that bonds
  * gain at their present lengths by new stiffness and size, and that the spin gains by a new radius, are taken
- * from the account `moved` of the element. So the sum of kinetic, potential, elastic and thermal energy and
- * the two accounts does not change. The step across the change uses the forces after the change: each change
- * puts the energy book off by v dF dt/2.
+ * from the account `moved` of the element. The step across the change uses the forces after the change, and
+ * the book of a bond (law_freed) takes this into account. So the sum of kinetic, potential, elastic and
+ * thermal energy and the two accounts does not change.
  *
  * Sums over bonds are integers, so their order does not matter; mirrored elements carry their marks, so both
  * owners of a bond get the same numbers. */
@@ -19,6 +19,7 @@
 #include <stdlib.h>
 
 #include "dm2/base/mem.h"
+#include "leapfrog.h"
 #include "periodic.h"
 
 /* The height of (p, t) above the line of the phase, Mbar or K. */
@@ -81,32 +82,56 @@ void phase_apply(const struct model *m, struct particles *p)
     }
 }
 
-/* The energy of a bond as in law.h, by the status from before the evaluation. */
-static double find_bond_energy(const struct pair_law *law, double r, double r0, bool linked, double stretch,
-                               double spring)
+/* What the book of a bond holds, with the kinds and radii of one side of the change: u + f v_n dt/2 of the
+ * potential and the same of the spring, so that the difference of two is the sum of law_freed and
+ * law_spring_freed (law.h). v: of the pair but for the sizes; the status is from before the evaluation. */
+static double find_bond_book(const struct pair_law *law, const struct pair_view *v, bool linked,
+                             double stretch, double spring, double dt_path)
 {
-    double u = 0.0, kt = linked ? law->kt_link : law->kt_contact;
-    if (linked || r < r0)
-        (void)potential_force(law, linked ? r - stretch : r, r0, &u);
-    return u + 0.5 * kt * (spring * spring);
+    double u = 0.0, f = 0.0, r0 = v->radius_i + v->radius_j, kt = linked ? law->kt_link : law->kt_contact;
+    const struct bond bond = law_bond(law, r0);
+    struct pair_effect arms;
+    if (linked || v->r < r0)
+        f = bond_force(law, &bond, linked ? v->r - stretch : v->r, &u);
+    return law_freed(u, 0.0, f, 0.0, v->vn, dt_path) +
+           law_spring_freed(kt, spring, law_sliding(&bond, v, &arms), dt_path);
+}
+
+/* The view of near pair i, j after the change of kinds. */
+static struct pair_view view_pair(const struct model *m, const struct particles *p, size_t i, size_t j)
+{
+    const struct period period = period_of(&m->grid);
+    double d[2], dv[2];
+    for (size_t a = 0; a < 2; a++) {
+        d[a] = period_nearest(p->r[2 * i + a] - p->r[2 * j + a], period.size[a], period.half[a]);
+        dv[a] = p->v[2 * i + a] - p->v[2 * j + a];
+    }
+    double r = sqrt(d[0] * d[0] + d[1] * d[1]), over = r > 0.0 ? 1.0 / r : 0.0;
+    double nx = d[0] * over, ny = d[1] * over;
+    return (struct pair_view){.r = r,
+                              .over_r = over,
+                              .radius_i = p->radius[i],
+                              .radius_j = p->radius[j],
+                              .vn = dv[0] * nx + dv[1] * ny,
+                              .vt = dv[1] * nx - dv[0] * ny,
+                              .w_i = p->w[i],
+                              .w_j = p->w[j]};
 }
 
 /* The energy that the change of i's or j's kind adds to their bond, near entry `entry`. */
 static double find_bond_change(const struct model *m, const struct particles *p, const struct lists *l,
-                               size_t i, size_t j, uint32_t entry)
+                               size_t i, size_t j, uint32_t entry, double dt_path)
 {
-    const struct period period = period_of(&m->grid);
-    double d[2], radius_i = phase_radius(m, p->radius[i], p->kind[i], p->was[i]),
-                 radius_j = phase_radius(m, p->radius[j], p->kind[j], p->was[j]);
     enum relation relation = relation_of(p->body[i], p->grain[i], p->body[j], p->grain[j]);
-    for (size_t a = 0; a < 2; a++)
-        d[a] = period_nearest(p->r[2 * i + a] - p->r[2 * j + a], period.size[a], period.half[a]);
-    double r = sqrt(d[0] * d[0] + d[1] * d[1]);
-    double before = find_bond_energy(model_law(m, p->was[i], p->was[j], relation), r, radius_i + radius_j,
-                                     l->linked[entry], l->stretch[entry], l->spring[entry]);
-    double after =
-        find_bond_energy(model_law(m, p->kind[i], p->kind[j], relation), r, p->radius[i] + p->radius[j],
-                         l->linked[entry], l->stretch[entry], l->spring[entry]);
+    struct pair_view now = view_pair(m, p, i, j), was = now;
+    was.radius_i = phase_radius(m, now.radius_i, p->kind[i], p->was[i]);
+    was.radius_j = phase_radius(m, now.radius_j, p->kind[j], p->was[j]);
+    was.w_i *= (now.radius_i * now.radius_i) / (was.radius_i * was.radius_i); /* as phase_become */
+    was.w_j *= (now.radius_j * now.radius_j) / (was.radius_j * was.radius_j);
+    double before = find_bond_book(model_law(m, p->was[i], p->was[j], relation), &was, l->linked[entry],
+                                   l->stretch[entry], l->spring[entry], dt_path);
+    double after = find_bond_book(model_law(m, p->kind[i], p->kind[j], relation), &now, l->linked[entry],
+                                  l->stretch[entry], l->spring[entry], dt_path);
     return after - before;
 }
 
@@ -127,13 +152,13 @@ enum dm2_status phase_account(const struct model *m, struct particles *p, const 
     if (sum == NULL)
         return dm2_fail(err, DM2_MEMORY, "no memory to account for phase changes of %zu elements", p->n);
     enum dm2_status status = DM2_OK;
-    double scale = m->fixed.energy;
+    double scale = m->fixed.energy, dt_path = leapfrog_path_time(m, step);
     for (size_t i = 0; i < p->n_own && status == DM2_OK; i++) {
         for (uint32_t k = lists->near.start[i]; k < lists->near.start[i + 1]; k++) {
             size_t j = lists->near.j[k];
             if (p->was[i] == p->kind[i] && p->was[j] == p->kind[j])
                 continue;
-            double half = 0.5 * find_bond_change(m, p, lists, i, j, k) * scale;
+            double half = 0.5 * find_bond_change(m, p, lists, i, j, k, dt_path) * scale;
             if (!(fabs(half) < 0x1p57)) {
                 status = dm2_fail(
                     err, DM2_NUMERIC,

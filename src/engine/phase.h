@@ -33,8 +33,9 @@ void phase_follow(const struct model *m, struct particles *p, size_t i, size_t w
  * temperature. */
 void phase_apply(const struct model *m, struct particles *p);
 
-/* Books the change of the bonds' energies in p->moved, half to each element, and clears all marks.
- * DM2_MEMORY; DM2_NUMERIC: the energy of a bond is out of range, with ids and step. */
+/* Books what the changes of kind take from the bonds (law_freed) in p->moved, half to each element, and
+ * clears all marks. step: the step whose forces come next. DM2_MEMORY; DM2_NUMERIC: the energy of a bond is
+ * out of range, with ids and step. */
 enum dm2_status phase_account(const struct model *m, struct particles *p, const struct lists *lists,
                               int64_t step, struct dm2_error *err);
 

@@ -54,16 +54,15 @@ struct model {
     struct kind *kinds;
     struct pair_law *laws; /* [kind i][kind j][relation] */
     bool has_far;          /* some law has scope all */
-    bool has_near;         /* some law needs contact status */
+    bool has_near;         /* some law needs contact status: velocities of mirrored elements matter */
     bool has_spin;         /* some law is tangential: elements rotate */
-    bool has_damping;      /* some law damps: velocities of mirrored elements matter */
     bool has_heat;         /* temperature changes something: softening, conduction, damping's a_t */
     bool has_pressure;     /* some law's damping depends on pressure */
     bool has_phases;       /* the deck has phases: pressure is needed at every step */
     bool has_kinds;        /* elements may change their kind, by phase or reaction */
     struct reaction_table reaction;
     double growth;    /* largest factor by which the radius of an element may grow; 1 without phases */
-    bool has_strain;  /* the deck asks for strain: velocities of mirrored elements matter */
+    bool has_strain;  /* the deck asks for strain */
     bool uniform_far; /* one kind, one far law */
     bool wide_far;    /* uniform_far, and the law is a plain Lennard-Jones potential: the rows of the far list
                          are    padded to multiples of four */

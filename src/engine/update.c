@@ -9,10 +9,11 @@
 #include "phase.h"
 #include "subdomain_parts.h"
 
-/* Are the velocities of mirrored elements read? Damping of pairs and the measurement of strain read them. */
+/* Are the velocities of mirrored elements read? Every near law reads them: for damping, and for what a bond
+ * that breaks or yields frees (law_freed). The measurement of strain needs near laws. */
 static bool needs_velocity(const struct model *m)
 {
-    return m->has_damping || m->has_strain;
+    return m->has_near;
 }
 
 unsigned subdomain_update_fields(const struct model *m)

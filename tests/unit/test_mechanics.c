@@ -491,7 +491,7 @@ static void draw_out(const char *const *defines, double cap)
     CHECK_NEAR_REL(peak, cap * (stretch + 0.0014 / 0.02 / sqrt(3.0)) / 1.06, 0.005);
     CHECK_NEAR_REL(strain, stretch - 1.0, 0.01);
     CHECK_NEAR_REL(thermal, work, 0.01);
-    CHECK(worst < 1e-3 * thermal);
+    CHECK(worst < 1e-6 * thermal);
     engine_state_free(&start);
     engine_stop(&g);
 }

@@ -19,7 +19,7 @@
 #include "dm2/engine/rebuild.h"
 #include "dm2/net/frame.h"
 
-enum { PROTOCOL_VERSION = 10 };
+enum { PROTOCOL_VERSION = 11 };
 
 enum { DEFAULT_PORT = 4702 }; /* of a server; written nowhere else */
 
