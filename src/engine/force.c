@@ -123,6 +123,8 @@ DM2_INLINE void evaluate_pair(struct pass *pass, struct lists *l, uint32_t i, ui
         .soft_j = p->soft[j],
         .t_i = p->temperature[i],
         .t_j = p->temperature[j],
+        .held_i = (p->flags[i] & ELEMENT_FIXED_MOTION) != 0,
+        .held_j = (p->flags[j] & ELEMENT_FIXED_MOTION) != 0,
     };
     if (p->p != NULL) {
         view.p_i = p->p[i];

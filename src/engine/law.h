@@ -52,9 +52,9 @@ struct pair_law {
     double u_cut;      /* scope all and eps12 > 0: potential at the cutoff, which ends the potential at 0 */
     double r2_least; /* scope all and eps12 > 0: below this r^2 the force leaves the range of far sums, cm2 */
     double cn, ct;   /* c_n and c_t over sqrt(m_eff) */
-    double cn_mass, ct_mass;    /* c_n and c_t where all elements of each kind have one mass; else -1 */
-    double a_p, a_t;            /* change of c_n with P and T */
-    double t0_mean;             /* K, reference of a_t */
+    double cn_mass, ct_mass; /* of links: c_n, c_t where all elements of each kind have one mass; else -1 */
+    double a_p, a_t;         /* change of c_n with P and T */
+    double t0_mean;          /* K, reference of a_t */
     double kt_link, kt_contact; /* tangential stiffness, Mbar cm */
     double mu;
     double yield_i, yield_j;      /* Y of i's and of j's side at T0, Mbar; infinite: elastic */
@@ -75,6 +75,7 @@ struct pair_view {
     double soft_i, soft_j;     /* softening factors 1 - ((T-T0)/(Tm-T0))^n in [0, 1] */
     double t_i, t_j;           /* K */
     double p_i, p_j;           /* Mbar, of the last evaluation */
+    bool held_i, held_j;       /* the motion is prescribed: no force moves the element */
 };
 
 /* The memory of a pair. */
@@ -293,23 +294,50 @@ DM2_INLINE double law_central(const struct pair_law *law, const struct bond *bon
     return f;
 }
 
+/* m_eff of an unlinked contact, g: the reduced mass of what moves, so the whole mass of an element that
+ * touches a wall, whatever mass the elements of the wall have. */
+DM2_INLINE double law_moving_mass(const struct pair_view *p)
+{
+    if (p->held_i != p->held_j)
+        return p->held_i ? p->mass_j : p->mass_i;
+    return (p->mass_i * p->mass_j) / (p->mass_i + p->mass_j);
+}
+
+/* The factor of a contact's damping force in the evaluation that is the first to see the contact: the part of
+ * the kick's time, half a step before and half a step behind the evaluation, in which the two elements touch.
+ * The path since the last evaluation is `dt_path` long, us; else 1. */
+DM2_INLINE double law_touched_part(const struct bond *bond, const struct pair_view *p, double dt_path)
+{
+    double approach = -p->vn * dt_path, depth = bond->r0 - p->r;
+    if (!(approach > 0.0) || !(depth < approach))
+        return 1.0;
+    return 0.5 + (depth > 0.0 ? depth / approach : 0.0);
+}
+
 /* Central damping, fdn, and the sum fn = f + fdn; an unlinked contact never pulls. Returns c_t, which has the
- * same effective mass, Mbar us cm. */
-DM2_INLINE double law_damping(const struct pair_law *law, const struct pair_view *p, bool linked, double f,
-                              struct pair_effect *out)
+ * same effective mass, Mbar us cm. The velocity is half a step old, and in a contact this lag acts as a mass
+ * m_eff - c dt/2: c over 1 + c dt/(4 m_eff) makes the restitution right to second order. A link keeps c and
+ * its reduced mass, because its damping is the viscosity of the crystal. c_t stays as it is: the same factor
+ * with m_eff/3 puts the rebound of spinning discs further off where they have a tangential spring. */
+DM2_INLINE double law_damping(const struct pair_law *law, const struct bond *bond, const struct pair_view *p,
+                              bool linked, double f, double dt_path, struct pair_effect *out)
 {
     double scale =
         1.0 + law->a_p * (0.5 * (p->p_i + p->p_j)) + law->a_t * (0.5 * (p->t_i + p->t_j) - law->t0_mean);
-    double cn = law->cn_mass, ct = law->ct_mass;
-    if (cn < 0.0) {
-        double root = sqrt((p->mass_i * p->mass_j) / (p->mass_i + p->mass_j));
+    double cn = law->cn_mass, ct = law->ct_mass, m_eff = 0.0;
+    if (!linked || cn < 0.0) {
+        m_eff = linked ? (p->mass_i * p->mass_j) / (p->mass_i + p->mass_j) : law_moving_mass(p);
+        double root = sqrt(m_eff);
         cn = law->cn * root;
         ct = law->ct * root;
     }
     cn *= scale > 0.0 ? scale : 0.0;
     double fdn = -cn * p->vn;
-    if (!linked && f + fdn < 0.0)
-        fdn = -f;
+    if (!linked) {
+        fdn *= law_touched_part(bond, p, dt_path) / (1.0 + 0.25 * cn * (dt_path / m_eff));
+        if (f + fdn < 0.0)
+            fdn = -f;
+    }
     out->fn = f + fdn;
     out->fdn = fdn;
     return ct;
@@ -356,7 +384,7 @@ DM2_INLINE void pair_interact(const struct pair_law *law, const struct pair_view
     if (!law_status(law, &bond, p, dt_path, s, out))
         return;
     double f = law_central(law, &bond, p, dt_path, s, out);
-    double ct = law_damping(law, p, s->linked, f, out);
+    double ct = law_damping(law, &bond, p, s->linked, f, dt_path, out);
     if (law->tangential)
         law_tangential(law, &bond, p, ct, dt_kick, dt_path, s, out);
     out->heat_damped -=

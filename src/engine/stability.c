@@ -92,6 +92,6 @@ enum dm2_status stability_check(const struct model *m, struct dm2_error *err)
         "the time step dt = %g us is not below the stable one, %g us (limit: %s, '%s' with '%s'): choose dt "
         "below %.2g us%s",
         c->dt, m->dt_stable, m->dt_mode, config_kind_name(c, m->dt_kinds[0], &a),
-        config_kind_name(c, m->dt_kinds[1], &b), 0.8 * m->dt_stable,
+        config_kind_name(c, m->dt_kinds[1], &b), 0.5 * m->dt_stable,
         strncmp(m->dt_mode, "damping", 7) == 0 ? ", or zeta and ct_ratio smaller" : "");
 }

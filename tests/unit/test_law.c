@@ -129,6 +129,9 @@ static struct pair_view swap_view(struct pair_view v)
     SWAP(soft);
     SWAP(t);
     SWAP(p);
+    bool held = v.held_i;
+    v.held_i = v.held_j;
+    v.held_j = held;
     return v;
 }
 
@@ -165,7 +168,10 @@ static struct pair_view random_view(void)
                              .t_j = 300.0 + 500.0 * uniform(),
                              .p_i = uniform(),
                              .p_j = uniform()};
+    static int count;
     view.over_r = 1.0 / view.r;
+    view.held_i = ++count % 4 == 1;
+    view.held_j = count % 5 == 1;
     return view;
 }
 
