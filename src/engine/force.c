@@ -125,6 +125,7 @@ DM2_INLINE void evaluate_pair(struct pass *pass, struct lists *l, uint32_t i, ui
         .t_j = p->temperature[j],
         .held_i = (p->flags[i] & ELEMENT_FIXED_MOTION) != 0,
         .held_j = (p->flags[j] & ELEMENT_FIXED_MOTION) != 0,
+        .walls = particles_walls(p, i, j),
     };
     if (p->p != NULL) {
         view.p_i = p->p[i];

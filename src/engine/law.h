@@ -76,6 +76,7 @@ struct pair_view {
     double t_i, t_j;           /* K */
     double p_i, p_j;           /* Mbar, of the last evaluation */
     bool held_i, held_j;       /* the motion is prescribed: no force moves the element */
+    bool walls;                /* both are held, in different bodies: no force acts */
 };
 
 /* The memory of a pair. */
@@ -374,21 +375,27 @@ DM2_INLINE void law_tangential(const struct pair_law *law, const struct bond *bo
 /* The whole law: updates the memory *s of the pair and fills *out.
  * dt_kick: the time over which this evaluation's forces act (dt, or dt/2 in step 0), us; dt_path: the time
  * since the positions of the last evaluation (dt, or 0 in step 0), us. Depth h = 1 cm. Conduction is
- * Fourier's: Q = kappa (A/r)(T_j - T_i) dt. */
+ * Fourier's: Q = kappa (A/r)(T_j - T_i) dt. Two walls only conduct, link and touch: a bond that no force can
+ * stretch holds no energy. */
 DM2_INLINE void pair_interact(const struct pair_law *law, const struct pair_view *p, double dt_kick,
                               double dt_path, struct pair_state *s, struct pair_effect *out)
 {
     double r0 = p->radius_i + p->radius_j;
     const struct bond bond = r0 == law->bond.r0 ? law->bond : law_bond(law, r0);
     *out = (struct pair_effect){.contacting = p->r <= bond.touch};
-    if (!law_status(law, &bond, p, dt_path, s, out))
+    bool acts = law_status(law, &bond, p, dt_path, s, out);
+    if (p->walls)
+        out->heat = 0.0;
+    if (!acts)
         return;
-    double f = law_central(law, &bond, p, dt_path, s, out);
-    double ct = law_damping(law, &bond, p, s->linked, f, dt_path, out);
-    if (law->tangential)
-        law_tangential(law, &bond, p, ct, dt_kick, dt_path, s, out);
-    out->heat_damped -=
-        out->fdn * p->vn * dt_kick; /* behind the tangential one: the bits depend on the order */
+    if (!p->walls) {
+        double f = law_central(law, &bond, p, dt_path, s, out);
+        double ct = law_damping(law, &bond, p, s->linked, f, dt_path, out);
+        if (law->tangential)
+            law_tangential(law, &bond, p, ct, dt_kick, dt_path, s, out);
+        out->heat_damped -=
+            out->fdn * p->vn * dt_kick; /* behind the tangential one: the bits depend on the order */
+    }
     out->exchange = law->conduction * (bond.area * p->over_r) * (p->t_j - p->t_i) * dt_kick;
 }
 

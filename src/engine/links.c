@@ -17,7 +17,7 @@ static const struct pair_law *find_quad_law(const struct half_list *near, const 
                                             uint32_t k)
 {
     uint32_t j = near->j[k];
-    if (!linked[k])
+    if (!linked[k] || particles_walls(p, i, j))
         return NULL;
     const struct pair_law *law = particles_law(m, p, i, j);
     return law->wide && p->radius[i] == law->radius_i && p->radius[j] == law->radius_j ? law : NULL;

@@ -167,7 +167,7 @@ static inline double find_distance2(const struct builder *b, uint32_t i, uint32_
 static inline void meet_pair(struct builder *b, uint32_t i, uint32_t j)
 {
     double r2 = find_distance2(b, i, j, true);
-    if (r2 <= b->far_reach2)
+    if (r2 <= b->far_reach2 && !particles_walls(b->p, i, j))
         b->lists->far.j[b->far_count++] = 2 * j;
     if (r2 <= b->near_reach2)
         consider_near(b, i, j, r2);

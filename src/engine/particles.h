@@ -5,6 +5,7 @@
 #define DM2_ENGINE_PARTICLES_H
 
 #include <math.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -135,6 +136,13 @@ static inline void particles_warm(struct particles *p, const struct model *m, si
     double temperature = kind->t0 + p->heat[i] * over_mass * over_cp;
     p->temperature[i] = temperature;
     p->soft[i] = particles_softening(kind, temperature);
+}
+
+/* True for two elements of prescribed motion in different bodies. No force can move either, so none acts
+ * between them, nor does their pair hold energy; the pair conducts, reacts, counts, and links by distance. */
+static inline bool particles_walls(const struct particles *p, size_t i, size_t j)
+{
+    return (p->flags[i] & p->flags[j] & ELEMENT_FIXED_MOTION) != 0 && p->body[i] != p->body[j];
 }
 
 /* The law of slot i with slot j, as i sees the pair. */

@@ -156,7 +156,7 @@ enum dm2_status phase_account(const struct model *m, struct particles *p, const 
     for (size_t i = 0; i < p->n_own && status == DM2_OK; i++) {
         for (uint32_t k = lists->near.start[i]; k < lists->near.start[i + 1]; k++) {
             size_t j = lists->near.j[k];
-            if (p->was[i] == p->kind[i] && p->was[j] == p->kind[j])
+            if ((p->was[i] == p->kind[i] && p->was[j] == p->kind[j]) || particles_walls(p, i, j))
                 continue;
             double half = 0.5 * find_bond_change(m, p, lists, i, j, k, dt_path) * scale;
             if (!(fabs(half) < 0x1p57)) {

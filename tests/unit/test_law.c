@@ -172,6 +172,7 @@ static struct pair_view random_view(void)
     view.over_r = 1.0 / view.r;
     view.held_i = ++count % 4 == 1;
     view.held_j = count % 5 == 1;
+    view.walls = view.held_i && view.held_j && count % 8 == 1;
     return view;
 }
 
