@@ -42,6 +42,25 @@ static void check_hysteresis(const struct deck_binding *b, size_t i)
                       number_text(phase->hysteresis_p, &got), phase->name, number_text(relief, &want));
 }
 
+/* What a change of phase takes up comes out of the heat cp t_line that the material holds at t_line above 0
+ * K. A reversible transition by temperature whose latent heat is negative takes up heat when it goes back. */
+static void check_latent(const struct deck_binding *b, size_t i)
+{
+    const struct phase_config *phase = &b->config->phases[i];
+    const struct material_config *from = parent_state(b->config, phase);
+    bool back = phase->latent < 0 && phase->reversible && phase->transition == TRANSITION_TEMPERATURE;
+    double cp = phase->state.cp < from->cp ? phase->state.cp : from->cp;
+    double taken = back ? -phase->latent : phase->latent, held = cp * phase->t_line;
+    struct number_text got, want, line, drop;
+    if (taken > held)
+        findings_error(b->findings, binding_place(b, b->blocks[BLOCK_PHASE][i], "latent", 0),
+                       "the latent heat of '%s' is %s cm2/us2, and at t_line = %s K its material holds "
+                       "cp t_line = %s cm2/us2: the temperature would fall by latent/cp = %s K, below 0 K; "
+                       "give less latent heat or a larger cp",
+                       phase->name, number_text(taken, &got), number_text(phase->t_line, &line),
+                       number_text(held, &want), number_text(taken / cp, &drop));
+}
+
 /* A body that lies beyond the line at zero pressure would change its phase at the first step. */
 static void check_initial_phase(const struct deck_binding *b, size_t i)
 {
@@ -87,6 +106,7 @@ static void check_phase(const struct deck_binding *b, size_t i)
             "the material '%s' lacks 'cp': without it temperatures stay, and the phase '%s' needs them",
             from->name, phase->name);
     check_hysteresis(b, i);
+    check_latent(b, i);
     check_initial_phase(b, i);
 }
 

@@ -13,38 +13,87 @@ static double fixed_scale(double largest, int bits)
     return ldexp(1.0, bits - e);
 }
 
+/* True if the body has elements that are, or may become, of the kind. */
+static bool holds_kind(const struct model *m, const struct body_config *body, size_t kind)
+{
+    for (size_t i = 0; i < body->n_mix; i++)
+        if (kind_may_become(m, body->mix_material[i], kind))
+            return true;
+    return false;
+}
+
+/* True if some pair of the deck may follow the law of these kinds and this relation with a force of its own.
+ */
+static bool law_has_pairs(const struct model *m, size_t a, size_t b, enum relation relation)
+{
+    const struct config *c = m->config;
+    for (size_t x = 0; x < c->n_bodies; x++) {
+        if (!holds_kind(m, &c->bodies[x], a))
+            continue;
+        for (size_t y = 0; y < c->n_bodies; y++) {
+            bool walls = c->bodies[x].motion != MOTION_FREE && c->bodies[y].motion != MOTION_FREE;
+            if ((x == y) != (relation == RELATION_OTHER_BODY) && (x == y || !walls) &&
+                holds_kind(m, &c->bodies[y], b))
+                return true;
+        }
+    }
+    return false;
+}
+
+/* What the sums of the deck have to hold: the largest force, heat and mass of reactants. */
+struct ranges {
+    double force; /* Mbar cm2: k r0, the force of a bond strained by 100 % */
+    double heat;  /* g cm2/us2, of a pair in one step */
+    double mass;  /* g, of the heaviest element, and of the heaviest that reacts */
+    double reacting;
+};
+
+/* The heat of a pair in one step: F_ref r0, what two elements conduct whose temperatures differ by 1e5 K, or
+ * the heat of all reactant of an element. The heat that an element holds is a double and sets no range. */
+static struct ranges find_ranges(const struct model *m)
+{
+    const struct config *c = m->config;
+    const struct reaction_table *x = &m->reaction;
+    double r0 = 2.0 * m->radius_max;
+    struct ranges range = {.force = 0.0};
+    for (size_t i = 0; i < m->n_kinds * m->n_kinds * RELATION_COUNT; i++) {
+        const struct pair_law *law = &m->laws[i];
+        size_t a = i / RELATION_COUNT / m->n_kinds, b = i / RELATION_COUNT % m->n_kinds;
+        range.heat = fmax(range.heat, 1e5 * law->conduction * c->dt);
+        if (law_has_pairs(m, a, b, (enum relation)(i % RELATION_COUNT)))
+            range.force = fmax(range.force, law->k * (law->eps12 > 0.0 ? sqrt(law->rm2) : r0));
+    }
+    for (size_t b = 0; b < c->n_bodies; b++) {
+        for (size_t i = 0; i < c->bodies[b].n_mix; i++) {
+            int material = c->bodies[b].mix_material[i];
+            double one = kind_mass(&c->materials[material], c->bodies[b].radius);
+            range.mass = fmax(range.mass, one);
+            if (x->any && (material == x->reactant[0] || material == x->reactant[1]))
+                range.reacting = fmax(range.reacting, one);
+        }
+    }
+    range.heat = fmax(range.heat, fmax(range.force * r0, fabs(x->heat) * range.reacting));
+    return range;
+}
+
 /* The reference force F_ref = k r0 is the force of a bond strained by 100 %. Sums of up to 64 pairs of 2^57
  * fit in 64 bits; the far sums use the 51 bits that are left when 1.5 * 2^52 is added, see far.c. */
 void scales_choose(struct model *m)
 {
     const struct config *c = m->config;
-    double r0 = 2.0 * m->radius_max, force = 0.0, heat = 0.0, mass = 0.0, mass_total = 0.0;
-    for (size_t i = 0; i < m->n_kinds * m->n_kinds * RELATION_COUNT; i++) {
-        const struct pair_law *law = &m->laws[i];
-        double r = law->eps12 > 0.0 ? sqrt(law->rm2) : r0;
-        force = law->k * r > force ? law->k * r : force;
-    }
-    for (size_t b = 0; b < c->n_bodies; b++) {
-        for (size_t i = 0; i < c->bodies[b].n_mix; i++) {
-            double one = kind_mass(&c->materials[c->bodies[b].mix_material[i]], c->bodies[b].radius);
-            double cp = m->kinds[c->bodies[b].mix_material[i]].cp;
-            mass = one > mass ? one : mass;
-            if (isfinite(cp) && 1e5 * one * cp > heat)
-                heat = 1e5 * one * cp;
-        }
-    }
-    mass_total = mass * (double)(m->n_elements > 0 ? m->n_elements : 1);
-    heat = heat > force * r0 ? heat : force * r0;
+    const struct ranges range = find_ranges(m);
+    double r0 = 2.0 * m->radius_max, force = range.force;
+    double mass_total = range.mass * (double)(m->n_elements > 0 ? m->n_elements : 1);
     m->fixed = (struct fixed_scales){.far_force = fixed_scale(force, 39),
                                      .force = fixed_scale(force, 45),
                                      .torque = fixed_scale(force * r0, 45),
-                                     .heat = fixed_scale(heat, 56),
+                                     .heat = fixed_scale(range.heat, 56),
                                      .virial = fixed_scale(force * r0, 45),
                                      .around = fixed_scale(r0 * r0, 44),
                                      .energy = fixed_scale(force * r0, 50),
                                      .energy_left = 30};
     if (m->reaction.any)
-        m->reaction.mass_scale = fixed_scale(mass, 56);
+        m->reaction.mass_scale = fixed_scale(range.reacting, 56);
     m->fixed.over_far_force = 1.0 / m->fixed.far_force;
     m->fixed.over_force = 1.0 / m->fixed.force;
     m->fixed.over_torque = 1.0 / m->fixed.torque;
