@@ -61,5 +61,6 @@ bool deck_check(const struct deck_binding *b)
     check_chemistry(b);
     check_output(b);
     check_profiles(b);
+    check_walls(b);
     return check_bodies(b);
 }

@@ -15,5 +15,6 @@ bool deck_check(const struct deck_binding *b);
 bool check_bodies(const struct deck_binding *b);
 void check_materials(const struct deck_binding *b);
 void check_chemistry(const struct deck_binding *b); /* phases and the reaction */
+void check_walls(const struct deck_binding *b);     /* the sizes of walls' elements */
 
 #endif

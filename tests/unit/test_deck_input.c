@@ -22,8 +22,10 @@ static enum dm2_status load_file(const char *path, const char *define, struct co
         source.n_defines = 1;
     }
     enum dm2_status status = deck_load(&source, config, &report);
-    CHECK_REPORT(status == DM2_OK && report.n_warnings == 0, "%s %s\n%s", path, define == NULL ? "" : define,
-                 report.text);
+    /* The floor of the sliding block is fine, which has its price. */
+    bool fine = strcmp(path, "input/sliding-block.dm2") == 0 && strstr(report.text, "add up") != NULL;
+    CHECK_REPORT(status == DM2_OK && report.n_warnings == (fine ? 1 : 0), "%s %s\n%s", path,
+                 define == NULL ? "" : define, report.text);
     deck_report_free(&report);
     deck_source_free(&source);
     return status;
