@@ -5,7 +5,8 @@
 # timeout: 300
 . "$DM2_SRC/tests/lib.sh"
 
-# last COLUMN, largest COLUMN: of history.csv of the run, by the start of the column's name.
+# last COLUMN, largest COLUMN, late COLUMN (the mean over the last quarter of the rows): of history.csv of the run, by the
+# start of the column's name.
 last()
 {
     awk -F, -v name="$1" 'NR == 1 { for (i = 1; i <= NF; i++) if (index($i, name) == 1) at = i }
@@ -15,6 +16,12 @@ largest()
 {
     awk -F, -v name="$1" 'NR == 1 { for (i = 1; i <= NF; i++) if (index($i, name) == 1) at = i }
         NR == 2 || (NR > 2 && $at + 0 > value + 0) { value = $at } END { print value }' run/history.csv
+}
+
+late()
+{
+    awk -F, -v name="$1" 'NR == 1 { for (i = 1; i <= NF; i++) if (index($i, name) == 1) at = i }
+        NR > 1 { value[NR] = $at } END { for (i = NR - int(NR/4); i <= NR; i++) { sum += value[i]; n++ }; print sum/n }' run/history.csv
 }
 
 # within VALUE LOW HIGH WHAT
@@ -93,12 +100,14 @@ within "$(largest third_vy)" 0 0.002 "the velocity of the last layer"
 within "$(largest temperature_max)" 500 650 "the hottest spot"
 
 check granular-shear scale=0.3
-# 0.03, 0.1, 0.2, 0.4 and 0.75 of the wall's 0.01 cm/us
-within "$(last layer1_vx)" 0.0001 0.0006 "the velocity of the lowest layer"
-within "$(last layer2_vx)" 0.0008 0.0014 "the velocity of the second layer"
-within "$(last layer3_vx)" 0.0016 0.0026 "the velocity of the third layer"
-within "$(last layer4_vx)" 0.0032 0.0048 "the velocity of the fourth layer"
-within "$(last layer5_vx)" 0.0065 0.0085 "the velocity of the uppermost layer"
+# About 0.04, 0.11, 0.2, 0.4 and 0.75 of the wall's 0.01 cm/us. The paths of grains are chaotic, so that the last bit of a
+# law is another packing: over four seeds and two time steps the means of the last quarter were 0.25 to 0.54, 0.89 to 1.42,
+# 1.66 to 2.58, 3.55 to 4.45, 7.25 to 7.95 in 0.001 cm/us.
+within "$(late layer1_vx)" 0.0001 0.0008 "the velocity of the lowest layer"
+within "$(late layer2_vx)" 0.0006 0.0018 "the velocity of the second layer"
+within "$(late layer3_vx)" 0.0013 0.0030 "the velocity of the third layer"
+within "$(late layer4_vx)" 0.0030 0.0050 "the velocity of the fourth layer"
+within "$(late layer5_vx)" 0.0065 0.0085 "the velocity of the uppermost layer"
 
 # Melting first, then the reaction, which frees two fifths of what the elements hold.
 check shear-band scale=0.5
