@@ -24,6 +24,13 @@ static void limit_time_step(struct model *m, double dt, const char *mode, size_t
     m->dt_kinds[1] = b;
 }
 
+/* The largest dt with omega^2 dt^2 + 2 gamma dt <= 4, us, of a mode with omega^2, 1/us2, and gamma, 1/us.
+ * Damping alone limits too: infinite only where both are 0. */
+static double mode_limit(double omega2, double gamma)
+{
+    return 4.0 / (sqrt(gamma * gamma + 4.0 * omega2) + gamma);
+}
+
 /* The largest stable step of an element of mass m whose six neighbours have this law: omega^2 dt^2 + 2 gamma
  * dt < 4 for the stiffest mode. Translation omega^2 = (6 kn + 2 kt)/m, gamma = (6 c_n + 2 c_t)/m; rotation
  * omega^2 = 24 kt/m, gamma = 24 c_t/m. The factors by which damping depends on P and T are not known before
@@ -37,10 +44,7 @@ static void limit_by_law(struct model *m, double mass, double m_eff, size_t a, s
     double omega2[2] = {(6.0 * law->k + 2.0 * kt) / mass, 24.0 * kt / mass};
     double gamma[2] = {(6.0 * law->cn + 2.0 * law->ct) * root / mass, 24.0 * law->ct * root / mass};
     for (int mode = 0; mode < 2; mode++) {
-        double g = gamma[mode], o = omega2[mode];
-        if (!(o > 0.0))
-            continue;
-        double dt = (sqrt(g * g + 4.0 * o) - g) / o;
+        double g = gamma[mode], o = omega2[mode], dt = mode_limit(o, g);
         limit_time_step(m, dt, modes[mode][2.0 * g > o * dt], a, b); /* names the larger term */
     }
 }
