@@ -301,10 +301,14 @@ static enum dm2_status run_all(const struct client_command *c, const struct run 
         results_abort(results);
     } else {
         char directory[1024];
+        struct results_verdict verdict;
+        results_verdict(results, &verdict);
         (void)snprintf(directory, sizeof directory, "%s", results_directory(results));
         status = results_close(results, err);
-        if (status == DM2_OK)
+        if (status == DM2_OK) {
             print_summary(c, &report, directory);
+            run_print_verdict(&c->run, &verdict);
+        }
     }
     network_probe_free(&probe);
     free(report.servers);

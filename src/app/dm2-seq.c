@@ -267,10 +267,14 @@ static enum dm2_status run_all(struct sequence *s, const struct decomposition *d
         results_abort(s->results);
     } else {
         char directory[4096];
+        struct results_verdict verdict;
+        results_verdict(s->results, &verdict);
         (void)snprintf(directory, sizeof directory, "%s", results_directory(s->results));
         status = results_close(s->results, err);
-        if (status == DM2_OK)
+        if (status == DM2_OK) {
             print_summary(s, directory);
+            run_print_verdict(s->options, &verdict);
+        }
     }
     subdomain_free(s->sd);
     free(s->bins);

@@ -391,6 +391,15 @@ enum dm2_status run_print_check(FILE *to, const struct run_options *o, const str
     return DM2_OK;
 }
 
+void run_print_verdict(const struct run_options *o, const struct results_verdict *verdict)
+{
+    if (o->quiet)
+        return;
+    if (verdict->warning[0] != '\0')
+        (void)fprintf(stderr, "%s: %s\n", o->program, verdict->warning);
+    (void)printf("%s\n", verdict->energy);
+}
+
 void run_print_hash(int64_t step, uint64_t hash)
 {
     (void)printf("step %lld hash %016llx\n", (long long)step, (unsigned long long)hash);

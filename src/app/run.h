@@ -78,6 +78,10 @@ int64_t run_checkpoint_every(const struct run_options *o, const struct run *run)
  * called before results_abort; `results` may be NULL. */
 void run_print_restart(const struct run_options *o, const struct results *results);
 
+/* Prints the warning of the energy book on standard error and its closing line on standard output, the last
+ * of a run; nothing with --quiet. */
+void run_print_verdict(const struct run_options *o, const struct results_verdict *verdict);
+
 /* Prints the output of --check: elements, cells, time step, each subdomain with its elements and
  * interface, memory. Every subdomain is generated once, so bodies that overlap are found here too.
  * `server_names` (one per rank) may be NULL. The errors of subdomain_create and decomposition_boundary. */

@@ -28,7 +28,7 @@ double report_rate(const struct run_report *r)
     return r->stepping > 0 ? (double)r->elements * (double)r->timed / r->stepping : 0;
 }
 
-static void add_log(struct bytes_writer *w, const struct run_report *r)
+static void add_log(struct bytes_writer *w, const struct run_report *r, const struct results_verdict *verdict)
 {
     uint64_t migrants = 0, bytes = 0, messages = 0;
     for (int k = 0; k < r->ranks; k++) {
@@ -74,6 +74,9 @@ static void add_log(struct bytes_writer *w, const struct run_report *r)
             1e-6 * (double)s->bytes, s->owned > 0 ? (double)s->bytes / (double)s->owned : 0.0, t->forces,
             t->ahead, t->integrate, t->rebuild, t->pack, t->wait, t->unpack);
     }
+    if (verdict->warning[0] != '\0')
+        add_text(w, "%s\n", verdict->warning);
+    add_text(w, "%s\n", verdict->energy);
 }
 
 static void add_number(struct bytes_writer *w, double x)
@@ -114,8 +117,10 @@ static void add_table(struct bytes_writer *w, const struct run_report *r)
 enum dm2_status report_write(const struct run_report *report, struct results *results, struct dm2_error *err)
 {
     struct bytes_writer log = {0}, table = {0};
+    struct results_verdict verdict;
     enum dm2_status status = DM2_OK;
-    add_log(&log, report);
+    results_verdict(results, &verdict);
+    add_log(&log, report, &verdict);
     add_table(&table, report);
     if (log.failed || table.failed)
         status = dm2_fail(err, DM2_MEMORY, "no memory for the run's log");

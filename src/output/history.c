@@ -42,6 +42,7 @@ void history_put_heading(struct file_out *f, const struct config *c)
         {"temperature_max", "K"},
         {"pressure_min", "Mbar"},
         {"pressure_max", "Mbar"},
+        {"drift", ""},
     };
     static const char *const probe_columns[][2] = {
         {"x", "cm"}, {"y", "cm"}, {"vx", "cm/us"}, {"vy", "cm/us"}};
@@ -92,9 +93,23 @@ static void write_probe(struct file_out *f, const struct measure_scales *scales,
         write_number(f, exact_value(&probe->v[a], scales->velocity) / count);
 }
 
+struct book_row history_book_row(const struct measure_scales *scales, int64_t step, const struct measures *m)
+{
+    const struct exact_sum total = conserved_sum(m);
+    return (struct book_row){
+        .step = step,
+        .kinetic = exact_value(&m->kinetic, scales->energy),
+        .work = exact_value(&m->work, scales->energy),
+        .total = exact_value(&total, scales->energy),
+        .account = {exact_value(&m->potential, scales->energy), exact_value(&m->elastic, scales->energy),
+                    exact_value(&m->thermal, scales->energy), exact_value(&m->chemical, scales->energy),
+                    exact_value(&m->phase, scales->energy)},
+        .elements = (double)m->elements};
+}
+
 enum dm2_status history_put_row(struct file_out *f, const struct config *c,
                                 const struct measure_scales *scales, int64_t step, const struct measures *m,
-                                struct dm2_error *err)
+                                double drift, struct dm2_error *err)
 {
     struct exact_sum total = conserved_sum(m);
     const struct exact_sum *energies[] = {&m->kinetic,  &m->potential, &m->elastic, &m->thermal,
@@ -110,6 +125,7 @@ enum dm2_status history_put_row(struct file_out *f, const struct config *c,
     write_number(f, m->t_max);
     write_number(f, m->p_min);
     write_number(f, m->p_max);
+    write_number(f, drift);
     for (size_t p = 0; p < c->n_probes; p++)
         write_probe(f, scales, &m->probe[p]);
     file_puts(f, "\n");

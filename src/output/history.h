@@ -13,6 +13,7 @@
 #include "dm2/deck/config.h"
 #include "dm2/engine/measures.h"
 #include "dm2/engine/profile.h"
+#include "energy_book.h"
 #include "fragments.h"
 
 /* The tables of one run; zeroed: none is open. fragments.csv is opened with its first row. */
@@ -24,10 +25,13 @@ struct history_tables {
 /* The heading of history.csv: the columns of every run, then x, y, vx, vy of each probe. */
 void history_put_heading(struct file_out *f, const struct config *c);
 
-/* The row of one step in history.csv. */
+/* The row of one step in history.csv; drift: of the energy book (energy_book.h). */
 enum dm2_status history_put_row(struct file_out *f, const struct config *c,
                                 const struct measure_scales *scales, int64_t step, const struct measures *m,
-                                struct dm2_error *err);
+                                double drift, struct dm2_error *err);
+
+/* The numbers of this row that the energy book needs. */
+struct book_row history_book_row(const struct measure_scales *scales, int64_t step, const struct measures *m);
 
 /* The heading of a profile's table. */
 void history_put_profile_heading(struct file_out *f, const struct profile_config *c);

@@ -10,11 +10,13 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "dm2/base/csv.h"
 #include "dm2/base/file.h"
 #include "dm2/base/mem.h"
 #include "dm2/base/text.h"
 #include "dm2/output/run_directory.h"
 #include "dm2/output/state.h"
+#include "energy_book.h"
 #include "fragments.h"
 #include "history.h"
 #include "resume.h"
@@ -27,6 +29,8 @@ struct results {
     struct measure_scales scales;
     uint8_t digest[RESULTS_DIGEST_BYTES];
     struct history_tables tables;
+    struct energy_book book; /* of the rows of tables.history */
+    bool made_final;         /* final.dm2, by this run */
     /* The newest steps that are written; -1: none. */
     int64_t history_step, snapshot_step, profile_step[PROFILE_MAX], checkpoint_step;
     struct snapshot_steps series; /* the snapshots that are written, for series.pvd */
@@ -54,13 +58,34 @@ static enum dm2_status open_profile(struct results *r, size_t which, struct dm2_
     return file_flush(&r->tables.profiles[which], err);
 }
 
+/* A run that ends early leaves no final state (dm2/output/results.h). */
+static void remove_final(const struct results *r)
+{
+    char *path = r->made_final ? text_join(r->directory, "/", "final.dm2") : NULL;
+    if (path != NULL)
+        (void)unlink(path);
+    free(path);
+}
+
 enum dm2_status results_history(struct results *r, int64_t step, const struct measures *m,
                                 struct dm2_error *err)
 {
     if (step <= r->history_step)
         return DM2_OK;
     r->history_step = step;
-    return history_put_row(&r->tables.history, r->config, &r->scales, step, m, err);
+    struct book_row row = history_book_row(&r->scales, step, m);
+    double drift = energy_book_add(&r->book, &row);
+    enum dm2_status status = history_put_row(&r->tables.history, r->config, &r->scales, step, m, drift, err);
+    if (status == DM2_OK)
+        status = energy_book_check(&r->book, r->config->dt, err);
+    if (status != DM2_OK)
+        remove_final(r);
+    return status;
+}
+
+void results_verdict(const struct results *r, struct results_verdict *out)
+{
+    energy_book_verdict(&r->book, r->config->dt, out);
 }
 
 enum dm2_status results_profile(struct results *r, size_t which, int64_t step, const struct profile_bin *bins,
@@ -178,6 +203,7 @@ enum dm2_status results_final(struct results *r, const struct state_view *state,
     if (path == NULL)
         return run_directory_no_memory(err);
     enum dm2_status status = write_state(r, path, state, err);
+    r->made_final |= status == DM2_OK;
     free(path);
     return status;
 }
@@ -221,6 +247,7 @@ static enum dm2_status create_results(const char *directory, const struct config
     for (size_t k = 0; k < PROFILE_MAX; k++)
         r->profile_step[k] = -1;
     memcpy(r->digest, digest, sizeof r->digest);
+    energy_book_start(&r->book, scales.energy);
     r->directory = text_join(directory, "", "");
     if (r->directory == NULL) {
         free_results(r);
@@ -260,6 +287,18 @@ enum dm2_status results_open(const char *directory, bool overwrite, const struct
     return DM2_OK;
 }
 
+/* Enters the rows that the history was taken over with. */
+static enum dm2_status replay_book(struct results *r, struct dm2_error *err)
+{
+    struct csv table;
+    enum dm2_status status = csv_read(r->tables.history.part, &table, err);
+    if (status != DM2_OK)
+        return status;
+    status = energy_book_replay(&r->book, &table, err);
+    csv_free(&table);
+    return status;
+}
+
 enum dm2_status results_continue(const char *directory, bool overwrite, const char *source, int64_t step,
                                  const struct config *config, struct measure_scales scales,
                                  const uint8_t digest[RESULTS_DIGEST_BYTES], struct results **out,
@@ -277,6 +316,8 @@ enum dm2_status results_continue(const char *directory, bool overwrite, const ch
         status = run_directory_prepare(r->directory, overwrite, &r->made_directory, err);
     if (status == DM2_OK)
         status = resume_tables(r->directory, source, config, step, in_place, &r->tables, err);
+    if (status == DM2_OK)
+        status = replay_book(r, err);
     if (status == DM2_OK)
         status = resume_series(r->directory, config, step, &r->series, err);
     r->history_step = r->snapshot_step = step - 1;

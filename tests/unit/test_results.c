@@ -169,7 +169,7 @@ TEST(history_rows)
     struct results *r = open_results(&f, "history", false);
     CHECK_EQ_INT(results_history(r, 40, &m, &err), DM2_OK);
     measures_clear(&m); /* the sum over bins equals the input, to the last quantum */
-    exact_add(&m.kinetic, 0.1, scales.energy);
+    exact_add(&m.kinetic, 3.6625, scales.energy);
     exact_add(&m.work, 0.1, scales.energy);
     m.t_max = m.p_min = m.p_max = 0;
     CHECK_EQ_INT(results_history(r, 50, &m, &err), DM2_OK);
@@ -181,17 +181,19 @@ TEST(history_rows)
         "chemical [g cm2/us2],phase [g cm2/us2],work [g cm2/us2],total [g cm2/us2],momentum_x [g "
         "cm/us],momentum_y [g cm/us],angular_momentum [g "
         "cm2/us],"
-        "elements,links,contacts,temperature_max [K],pressure_min [Mbar],pressure_max [Mbar],surface_x [cm],"
+        "elements,links,contacts,temperature_max [K],pressure_min [Mbar],pressure_max [Mbar],drift,surface_x "
+        "[cm],"
         "surface_y [cm],surface_vx [cm/us],surface_vy [cm/us],spall_x [cm],spall_y [cm],spall_vx [cm/us],"
         "spall_vy [cm/us]\n"
         "40,1,1.25,0.5,0.125,9.313225746154785e-10,2,-0.25,0.0625,3.5625000009313226,-3,0.1,7,1689,4903,12,"
         "311.5,-0."
-        "25,0.75,"
+        "25,0.75,0,"
         "2,0.25,-0.5,0.125,nan,nan,nan,nan\n"
-        "50,1.25,0.1,0,0,0,0,0,0.1,0,0,0,0,0,0,0,0,0,0,nan,nan,nan,nan,nan,nan,nan,nan\n");
+        "50,1.25,3.6625,0,0,0,0,0,0.1,3.5625,0,0,0,0,0,0,0,0,0,-2.5428602719876547e-10,nan,nan,nan,nan,nan,"
+        "nan,nan,nan\n");
     free(text);
     CHECK_EQ_INT(csv_read(scratch_path("history/history.csv"), &csv, &err), DM2_OK);
-    CHECK_EQ_INT(csv.n_columns, 27);
+    CHECK_EQ_INT(csv.n_columns, 28);
     csv_free(&csv);
     fake_free(&f);
 }

@@ -69,11 +69,22 @@ int64_t results_checkpoint_step(const struct results *r);
 /* The directory, for messages. */
 const char *results_directory(const struct results *r);
 
+/* What the rows of history.csv say about the energy book (output/energy_book.h), a line each without newline.
+ */
+enum { RESULTS_LINE = 400 };
+struct results_verdict {
+    char energy[RESULTS_LINE];  /* "energy: ...": by how much `total` drifted */
+    char warning[RESULTS_LINE]; /* "warning: ...", with what to do; empty: none */
+};
+void results_verdict(const struct results *r, struct results_verdict *out);
+
 /* results_history, results_profile and results_snapshot ignore a step that is already in the run directory,
  * because a run that went back to an earlier state repeats such steps with the same numbers.
  *
  * Appends the row of one step to history.csv. The column `total` = kinetic + potential + elastic + thermal +
- * chemical + phase - work is constant under exact integration; the sum is exact until it is rounded once. */
+ * chemical + phase - work is constant under exact integration; the sum is exact until it is rounded once. The
+ * column `drift` is the change of `total` over the energies that moved. Also DM2_NUMERIC where the drift is
+ * beyond 50 %: then the run ends, and a final.dm2 of this run is removed. */
 enum dm2_status results_history(struct results *r, int64_t step, const struct measures *m,
                                 struct dm2_error *err);
 
