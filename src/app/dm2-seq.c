@@ -127,6 +127,17 @@ static enum dm2_status rebuild_lists(struct sequence *s, struct dm2_error *err)
     return status;
 }
 
+/* Writes a row of the history, and the warning that follows from the row. */
+static enum dm2_status write_row(struct sequence *s, int64_t n, const struct measures *m,
+                                 struct dm2_error *err)
+{
+    char line[RESULTS_LINE];
+    enum dm2_status status = results_history(s->results, n, m, err);
+    if (status == DM2_OK && results_warns(s->results, line) && !s->options->quiet)
+        (void)fprintf(stderr, "%s: %s\n", PROGRAM, line);
+    return status;
+}
+
 /* One time step (paper, Fig. 5): forces, the states and measures that are due, leapfrog, lists. */
 static enum dm2_status take_step(struct sequence *s, struct dm2_error *err)
 {
@@ -143,7 +154,9 @@ static enum dm2_status take_step(struct sequence *s, struct dm2_error *err)
     if (status == DM2_OK)
         status = write_profiles(s, err);
     if (status == DM2_OK)
-        status = subdomain_move(s->sd, &dmax, history ? &measures : NULL, err);
+        status = subdomain_move(s->sd, &dmax, schedule_limit(c, n) ? &measures : NULL, err);
+    if (status == DM2_OK && n == 0)
+        status = model_check_start(s->run->model, &measures, err);
     if (status == DM2_OK && survey)
         subdomain_survey(s->sd, &spread);
     if (status == DM2_OK && rebuild_plan_step(&s->plan, dmax, survey ? &spread : NULL))
@@ -154,7 +167,7 @@ static enum dm2_status take_step(struct sequence *s, struct dm2_error *err)
     }
     started = clock_now();
     if (status == DM2_OK && history)
-        status = results_history(s->results, n, &measures, err);
+        status = write_row(s, n, &measures, err);
     s->report.output += clock_now() - started;
     s->report.steps = n + 1;
     return status;
@@ -175,7 +188,7 @@ static enum dm2_status finish_run(struct sequence *s, struct dm2_error *err)
     if (status == DM2_OK)
         status = subdomain_measure_last(s->sd, &measures, err);
     if (status == DM2_OK && schedule_history(c, c->steps))
-        status = results_history(s->results, c->steps, &measures, err);
+        status = write_row(s, c->steps, &measures, err);
     return status;
 }
 

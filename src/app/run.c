@@ -309,20 +309,30 @@ void run_print_restart(const struct run_options *o, const struct results *result
     (void)fputc('\n', stderr);
 }
 
-/* Generates one rank's subdomain and returns its size: elements and bytes. */
+/* What --check finds out about one rank. */
+struct rank_size {
+    size_t owned, mirrored, bytes;
+};
+
+/* Generates one rank's subdomain, evaluates its forces once for the measures of step 0, which are added to
+ * *start, and returns its size. */
 static enum dm2_status measure_rank(const struct run *run, const struct decomposition *d, int rank,
-                                    size_t *owned, size_t *mirrored, size_t *bytes, struct dm2_error *err)
+                                    struct rank_size *out, struct measures *start, struct dm2_error *err)
 {
     const struct domain_map map = {.grid = &d->grid, .ranks = d->ranks, .owner = d->owner};
     struct subdomain *sd = NULL;
+    struct measures part;
     enum dm2_status status = subdomain_create(run->model, &map, rank, &sd, err);
     if (status != DM2_OK)
         return status;
-    *owned = subdomain_owned(sd);
-    *mirrored = subdomain_mirrored(sd);
-    *bytes = subdomain_bytes(sd);
+    *out = (struct rank_size){subdomain_owned(sd), subdomain_mirrored(sd), subdomain_bytes(sd)};
+    status = subdomain_forces(sd, true, err);
+    if (status == DM2_OK)
+        status = subdomain_measure_last(sd, &part, err);
+    if (status == DM2_OK)
+        measures_merge(start, &part);
     subdomain_free(sd);
-    return DM2_OK;
+    return status;
 }
 
 static void print_rank(FILE *to, const struct decomposition *d, int rank, const char *name, size_t owned,
@@ -348,11 +358,13 @@ static void print_rank(FILE *to, const struct decomposition *d, int rank, const 
     (void)fprintf(to, "%s\n", none ? " no side" : "");
 }
 
-static void print_run(FILE *to, const struct run_options *o, const struct run *run)
+static void print_run(FILE *to, const struct run_options *o, const struct run *run,
+                      const struct measures *start)
 {
     const struct grid *g = model_grid(run->model);
     const char *which = "";
-    double stable = model_stable_dt(run->model, &which);
+    double stable = model_stable_start(run->model, start, &which);
+    const struct model_room room = model_room(run->model);
     (void)fprintf(to, "deck %s\n", o->deck);
     (void)fprintf(to, "particles %zu\n", model_elements(run->model));
     (void)fprintf(to, "cells %d = %d x %d\n", g->cx * g->cy, g->cx, g->cy);
@@ -361,26 +373,27 @@ static void print_run(FILE *to, const struct run_options *o, const struct run *r
     (void)fprintf(to, "steps %lld of %.6g us\n", (long long)run->config.steps, run->config.dt);
     (void)fprintf(to, "stable time step %.6g us (%s), chosen %.6g us = %.3g of it\n", stable, which,
                   run->config.dt, run->config.dt / stable);
+    if (room.count > 0 && room.dt < stable)
+        (void)fprintf(to, "elements of '%s' have room for %d of '%s': then %.3g us\n",
+                      run->config.bodies[room.body].name, room.count, run->config.bodies[room.other].name,
+                      room.dt);
 }
 
-enum dm2_status run_print_check(FILE *to, const struct run_options *o, const struct run *run,
-                                const struct decomposition *d, const char *const *server_names,
-                                struct dm2_error *err)
+/* Prints the lines of the subdomains, of their interfaces and of the memory. */
+static enum dm2_status print_ranks(FILE *to, const struct decomposition *d, const struct rank_size *size,
+                                   const char *const *server_names, struct dm2_error *err)
 {
     size_t total = 0, most = 0, edges = 0;
     double length = 0;
-    print_run(to, o, run);
     for (int rank = 0; rank < d->ranks; rank++) {
-        size_t owned = 0, mirrored = 0, bytes = 0;
         struct rank_boundary b = {0};
-        enum dm2_status status = measure_rank(run, d, rank, &owned, &mirrored, &bytes, err);
-        if (status == DM2_OK)
-            status = decomposition_boundary(d, rank, &b, err);
+        const struct rank_size *s = &size[rank];
+        enum dm2_status status = decomposition_boundary(d, rank, &b, err);
         if (status != DM2_OK)
             return status;
-        print_rank(to, d, rank, server_names == NULL ? NULL : server_names[rank], owned, mirrored, &b);
-        total += bytes;
-        most = bytes > most ? bytes : most;
+        print_rank(to, d, rank, server_names == NULL ? NULL : server_names[rank], s->owned, s->mirrored, &b);
+        total += s->bytes;
+        most = s->bytes > most ? s->bytes : most;
         edges += b.interface_cells;
         length += b.interface_cm;
     }
@@ -389,6 +402,28 @@ enum dm2_status run_print_check(FILE *to, const struct run_options *o, const str
     (void)fprintf(to, "memory %.1f MB in all, %.1f MB at most on one server\n", 1e-6 * (double)total,
                   1e-6 * (double)most);
     return DM2_OK;
+}
+
+enum dm2_status run_print_check(FILE *to, const struct run_options *o, const struct run *run,
+                                const struct decomposition *d, const char *const *server_names,
+                                struct dm2_error *err)
+{
+    struct measures start;
+    struct rank_size *size = mem_zalloc((size_t)d->ranks, sizeof *size);
+    enum dm2_status status = DM2_OK;
+    if (size == NULL)
+        return dm2_fail(err, DM2_MEMORY, "no memory for %d subdomains", d->ranks);
+    measures_clear(&start);
+    for (int rank = 0; rank < d->ranks && status == DM2_OK; rank++)
+        status = measure_rank(run, d, rank, &size[rank], &start, err);
+    if (status == DM2_OK)
+        status = model_check_start(run->model, &start, err);
+    if (status == DM2_OK) {
+        print_run(to, o, run, &start);
+        status = print_ranks(to, d, size, server_names, err);
+    }
+    free(size);
+    return status;
 }
 
 void run_print_verdict(const struct run_options *o, const struct results_verdict *verdict)

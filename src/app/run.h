@@ -83,7 +83,8 @@ void run_print_restart(const struct run_options *o, const struct results *result
 void run_print_verdict(const struct run_options *o, const struct results_verdict *verdict);
 
 /* Prints the output of --check: elements, cells, time step, each subdomain with its elements and
- * interface, memory. Every subdomain is generated once, so bodies that overlap are found here too.
+ * interface, memory. Every subdomain is generated and its forces are evaluated once, so bodies that overlap
+ * and a time step that the neighbours at the start make unstable (DM2_DECK) are found here too.
  * `server_names` (one per rank) may be NULL. The errors of subdomain_create and decomposition_boundary. */
 enum dm2_status run_print_check(FILE *to, const struct run_options *o, const struct run *run,
                                 const struct decomposition *d, const char *const *server_names,

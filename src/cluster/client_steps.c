@@ -138,6 +138,16 @@ static enum dm2_status exchange_step(struct client *c, bool *rebuild, const stru
     return status;
 }
 
+/* Writes a row of the history, and tells the warning that follows from the row. */
+static enum dm2_status write_row(struct client *c, int64_t n, const struct measures *m, struct dm2_error *err)
+{
+    char line[RESULTS_LINE];
+    enum dm2_status status = results_history(c->job->results, n, m, err);
+    if (status == DM2_OK && results_warns(c->job->results, line))
+        course_tell_user(c->options, line);
+    return status;
+}
+
 /* Runs the step from state n to state n + 1 and writes the results of state n. */
 static enum dm2_status run_step(struct client *c, int64_t n, bool *rebuild, struct dm2_error *err)
 {
@@ -156,6 +166,8 @@ static enum dm2_status run_step(struct client *c, int64_t n, bool *rebuild, stru
     enum dm2_status status = conversation_gather(&c->talk, MESSAGE_STEP, LIMIT_STEP, take_step, false, err);
     if (status == DM2_OK)
         status = sum_steps(c, *rebuild, schedule_measure(config, n), hashed, c->survey, &sum, err);
+    if (status == DM2_OK && n == 0)
+        status = model_check_start(c->job->model, &sum.measures, err);
     if (status == DM2_OK)
         status = exchange_step(c, rebuild, &sum, err);
     if (status != DM2_OK)
@@ -166,7 +178,7 @@ static enum dm2_status run_step(struct client *c, int64_t n, bool *rebuild, stru
         c->course->report.timed++;
     }
     if (history)
-        status = results_history(c->job->results, n, &sum.measures, err);
+        status = write_row(c, n, &sum.measures, err);
     if (status == DM2_OK)
         status = collection_write_profiles(&c->collection, err);
     if (snapshot && status == DM2_OK)
@@ -235,7 +247,7 @@ enum dm2_status client_finish(struct client *c, struct dm2_error *err)
     for (int k = 0; k < c->ranks; k++)
         measures_merge(&sum, &c->answers[k].done.measures);
     if (status == DM2_OK && schedule_history(config, config->steps))
-        status = results_history(c->job->results, config->steps, &sum, err);
+        status = write_row(c, config->steps, &sum, err);
     if (status == DM2_OK)
         status = collection_write_profiles(&c->collection, err);
     if (status == DM2_OK && snapshot)

@@ -115,6 +115,8 @@ void wire_put_measures(struct bytes_writer *w, const struct measures *m)
     bytes_put_f64(w, m->t_max);
     bytes_put_f64(w, m->p_min);
     bytes_put_f64(w, m->p_max);
+    bytes_put_f64(w, m->dt_share);
+    bytes_put_f64(w, m->compression);
     for (int k = 0; k < PROBE_MAX; k++) {
         bytes_put_u64(w, m->probe[k].count);
         for (int a = 0; a < 2; a++) {
@@ -142,7 +144,10 @@ void wire_get_measures(struct bytes_reader *r, struct measures *out)
     out->t_max = bytes_get_f64(r);
     out->p_min = bytes_get_f64(r);
     out->p_max = bytes_get_f64(r);
+    out->dt_share = bytes_get_f64(r);
+    out->compression = bytes_get_f64(r);
     fail_unless(r, !isnan(out->t_max) && !isnan(out->p_min) && !isnan(out->p_max));
+    fail_unless(r, out->dt_share >= 0.0 && out->compression >= 0.0);
     for (int k = 0; k < PROBE_MAX; k++) {
         out->probe[k].count = bytes_get_u64(r);
         for (int a = 0; a < 2; a++) {

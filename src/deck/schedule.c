@@ -21,9 +21,14 @@ bool schedule_profile(const struct config *c, size_t which, int64_t step)
     return step == c->steps || step % c->profiles[which].every == 0;
 }
 
+bool schedule_limit(const struct config *c, int64_t step)
+{
+    return step == 0 || schedule_history(c, step);
+}
+
 bool schedule_measure(const struct config *c, int64_t step)
 {
-    bool due = schedule_history(c, step) || schedule_snapshot(c, step);
+    bool due = schedule_limit(c, step) || schedule_snapshot(c, step);
     for (size_t k = 0; k < c->n_profiles; k++)
         due |= schedule_profile(c, k, step);
     return due;

@@ -30,6 +30,8 @@ void measures_merge(struct measures *m, const struct measures *part)
     m->t_max = part->t_max > m->t_max ? part->t_max : m->t_max;
     m->p_min = part->p_min < m->p_min ? part->p_min : m->p_min;
     m->p_max = part->p_max > m->p_max ? part->p_max : m->p_max;
+    m->dt_share = part->dt_share > m->dt_share ? part->dt_share : m->dt_share;
+    m->compression = part->compression > m->compression ? part->compression : m->compression;
     for (int p = 0; p < PROBE_MAX; p++) {
         m->probe[p].count += part->probe[p].count;
         for (int a = 0; a < 2; a++) {

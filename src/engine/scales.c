@@ -91,6 +91,7 @@ void scales_choose(struct model *m)
                                      .virial = fixed_scale(force * r0, 45),
                                      .around = fixed_scale(r0 * r0, 44),
                                      .energy = fixed_scale(force * r0, 50),
+                                     .stiffness = fixed_scale(force / r0, 40),
                                      .energy_left = 30};
     if (m->reaction.any)
         m->reaction.mass_scale = fixed_scale(range.reacting, 56);

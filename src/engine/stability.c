@@ -85,6 +85,87 @@ void stability_find_time_step(struct model *m)
     }
 }
 
+/* --- neighbours --- */
+
+double model_stable_start(const struct model *m, const struct measures *start, const char **which)
+{
+    double dt = start->dt_share > 0.0 ? m->config->dt / start->dt_share : INFINITY;
+    bool closer = dt < m->dt_stable * (1.0 - 1e-6); /* equal in a lattice, but for rounding */
+    *which = closer ? "neighbours at the start" : m->dt_mode;
+    return closer ? dt : m->dt_stable;
+}
+
+enum dm2_status model_check_start(const struct model *m, const struct measures *start, struct dm2_error *err)
+{
+    if (start->dt_share < 1.0)
+        return DM2_OK;
+    double stable = m->config->dt / start->dt_share;
+    return config_fail(
+        m->config->dt_place, err, DM2_DECK,
+        "the time step dt = %g us is not below the stable one, %g us (limit: neighbours at the "
+        "start, bonds compressed by up to %.2g %%): choose dt below %.2g us",
+        m->config->dt, stable, 100.0 * start->compression, 0.5 * stable);
+}
+
+/* The limit of an element of mass m with n neighbours of mass m_j all around, as if the neighbours were at
+ * rest: omega^2 = n (kn/2 + kt/6)/m. */
+static double limit_among(const struct pair_law *law, double n, double m, double m_j)
+{
+    double kt = larger(law->kt_link, law->kt_contact), root = sqrt(m * m_j / (m + m_j)), turn = 4.0 * n / m;
+    double translation =
+        mode_limit(0.5 * n * (law->k + kt / 3.0) / m, 0.5 * n * (law->cn + law->ct / 3.0) * root / m);
+    double rotation = mode_limit(turn * kt, turn * law->ct * root);
+    return translation < rotation ? translation : rotation;
+}
+
+static double lightest_mass(const struct config *c, const struct body_config *b)
+{
+    double mass = INFINITY;
+    for (size_t i = 0; i < b->n_mix; i++) {
+        double one = kind_mass(&c->materials[b->mix_material[i]], b->radius);
+        mass = one < mass ? one : mass;
+    }
+    return mass;
+}
+
+/* How many discs of radius r fit around one of radius R: the most n with sin(pi/n) >= r/(R + r). */
+static double count_around(double big_r, double r)
+{
+    const double pi = 0x1.921fb54442d18p1;
+    double q = r / (big_r + r), n = 1.0;
+    if (q < 1e-3)
+        return floor(pi / q);
+    while (real_sin(pi / (n + 1.0)) >= q * (1.0 - 1e-12))
+        n += 1.0;
+    return n;
+}
+
+struct model_room model_room(const struct model *m)
+{
+    const struct config *c = m->config;
+    struct model_room out = {.dt = INFINITY};
+    size_t n_bodies = c->n_bodies < MODEL_ROOM_BODIES ? c->n_bodies : MODEL_ROOM_BODIES;
+    for (size_t a = 0; a < n_bodies; a++) {
+        for (size_t b = 0; b < n_bodies; b++) {
+            const struct body_config *one = &c->bodies[a], *other = &c->bodies[b];
+            double n = count_around(one->radius, other->radius);
+            if (a == b || one->motion != MOTION_FREE || !(n > 6.0) || m->has_far)
+                continue;
+            for (size_t k = 0; k < one->n_mix * other->n_mix; k++) {
+                const struct pair_law *law =
+                    model_law(m, (size_t)one->mix_material[k / other->n_mix],
+                              (size_t)other->mix_material[k % other->n_mix], RELATION_OTHER_BODY);
+                double dt = limit_among(law, n, lightest_mass(c, one), lightest_mass(c, other));
+                if (dt < out.dt)
+                    out = (struct model_room){.body = a, .other = b, .count = (int)n, .dt = dt};
+            }
+        }
+    }
+    return out;
+}
+
+/* --- check --- */
+
 enum dm2_status stability_check(const struct model *m, struct dm2_error *err)
 {
     const struct config *c = m->config;

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "dm2/base/clock.h"
+#include "dm2/deck/schedule.h"
 #include "generate.h"
 #include "leapfrog.h"
 #include "phase.h"
@@ -155,6 +156,7 @@ void subdomain_free(struct subdomain *sd)
     force_drop(&sd->pass, &sd->lists);
     lists_free(&sd->lists);
     strain_free(&sd->strain);
+    stiffness_free(&sd->stiff);
     idmap_free(&sd->ids);
     free(sd->cell_of);
     free(sd->reacted.item);
@@ -184,11 +186,12 @@ size_t subdomain_mirrored(const struct subdomain *sd)
 
 size_t subdomain_bytes(const struct subdomain *sd)
 {
-    size_t bytes =
-        sizeof *sd + particles_bytes(&sd->p) + lists_bytes(&sd->lists) + cells_bytes(&sd->cells, &sd->map) +
-        sd->cell_cap * sizeof *sd->cell_of + sd->ids.slots * 8 + sd->from.cap + sd->moved.cap +
-        sd->old_id.cap + sd->anchors.cap + sd->spreads.cap + bins_bytes(&sd->anchor_bins) +
-        sd->strain.cap * STRAIN_SUMS * sizeof *sd->strain.sum + sd->reacted.cap * sizeof *sd->reacted.item;
+    size_t bytes = sizeof *sd + particles_bytes(&sd->p) + lists_bytes(&sd->lists) +
+                   cells_bytes(&sd->cells, &sd->map) + sd->cell_cap * sizeof *sd->cell_of +
+                   sd->ids.slots * 8 + sd->from.cap + sd->moved.cap + sd->old_id.cap + sd->anchors.cap +
+                   sd->spreads.cap + bins_bytes(&sd->anchor_bins) +
+                   sd->strain.cap * STRAIN_SUMS * sizeof *sd->strain.sum + stiffness_bytes(&sd->stiff) +
+                   sd->reacted.cap * sizeof *sd->reacted.item;
     for (int r = 0; r < sd->map.ranks; r++)
         bytes += sd->neighbours[r].send.cap * sizeof(uint32_t) +
                  (sd->neighbours[r].migrants.cap + sd->neighbours[r].mirrors.cap) * sizeof(struct element) +
@@ -226,6 +229,8 @@ enum dm2_status subdomain_forces(struct subdomain *sd, bool measure, struct dm2_
                                 leapfrog_path_time(sd->model, sd->step), totals ? &sd->totals : NULL,
                                 sd->step, err);
     subdomain_beat(sd);
+    if (status == DM2_OK && measure && schedule_limit(m->config, sd->step))
+        status = stiffness_measure(m, &sd->p, &sd->lists, &sd->stiff, &sd->stiffness, err);
     if (status == DM2_OK && m->reaction.any)
         status = reaction_evaluate(m, &sd->p, &sd->lists, leapfrog_kick_time(m, sd->step), sd->step,
                                    &sd->reacted, err);
@@ -249,6 +254,8 @@ static enum dm2_status integrate_motion(struct subdomain *sd, bool drift, double
         out->elastic = sd->totals.elastic;
         out->links = sd->totals.links;
         out->contacts = sd->totals.contacts;
+        out->dt_share = sd->stiffness.dt_share;
+        out->compression = sd->stiffness.compression;
     }
     subdomain_beat(sd);
     enum dm2_status status = leapfrog_move(sd->model, &sd->p, sd->step, drift, dmax, out, err);

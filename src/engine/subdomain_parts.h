@@ -27,6 +27,7 @@
 #include "pair_pass.h"
 #include "particles.h"
 #include "reaction.h"
+#include "stiffness.h"
 #include "strain.h"
 #include "tables.h"
 
@@ -83,6 +84,8 @@ struct subdomain {
     struct pair_totals totals;
     struct pass pass; /* the evaluation under way, where subdomain_forces_ahead began it */
     struct strain_sums strain;
+    struct stiffness_sums stiff;
+    struct stiffness stiffness;   /* of the last row of the history, or of step 0 */
     struct reaction_sums reacted; /* of the last evaluation */
     bool measured; /* totals, virial, surroundings, links and contacts are of the present step */
     struct subdomain_times times;

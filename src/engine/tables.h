@@ -30,6 +30,7 @@ struct kind {
 struct fixed_scales {
     double over_far_force, over_force, over_torque, over_heat; /* reciprocals, exact */
     double far_force, force, torque, heat, virial, around, energy;
+    double stiffness;
     int energy_left; /* measure_scales.energy = log2(energy) + energy_left */
 };
 

@@ -11,6 +11,7 @@
 #ifndef DM2_OUTPUT_ENERGY_BOOK_H
 #define DM2_OUTPUT_ENERGY_BOOK_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "dm2/base/csv.h"
@@ -24,6 +25,7 @@ struct book_row {
     int64_t step;
     double kinetic, work, total, account[BOOK_ACCOUNTS];
     double elements;
+    double dt_share, compression; /* dm2/engine/measures.h */
 };
 
 struct energy_book {
@@ -35,6 +37,10 @@ struct energy_book {
     int64_t last;       /* step of the last row */
     double worst;       /* the drift of largest magnitude so far, with its sign */
     int64_t worst_step; /* of `worst` */
+    double dt_share;    /* the largest so far, */
+    double compression; /* the compression with it, */
+    int64_t share_step; /* and their step */
+    bool told;          /* energy_book_warns has been true */
 };
 
 /* A book without rows. shift: measure_scales.energy. */
@@ -49,6 +55,10 @@ enum dm2_status energy_book_replay(struct energy_book *book, const struct csv *t
 
 /* DM2_NUMERIC where the last row is off by more than 50 %: the run is unstable. dt in us. */
 enum dm2_status energy_book_check(const struct energy_book *book, double dt, struct dm2_error *err);
+
+/* True once, with a line for the user (RESULTS_LINE bytes), when dt first comes near the limit that holds
+ * now: 0.9 of it or more. dt in us. */
+bool energy_book_warns(struct energy_book *book, double dt, char *line);
 
 /* What results_verdict gives. dt in us. */
 void energy_book_verdict(const struct energy_book *book, double dt, struct results_verdict *out);

@@ -43,6 +43,8 @@ void history_put_heading(struct file_out *f, const struct config *c)
         {"pressure_min", "Mbar"},
         {"pressure_max", "Mbar"},
         {"drift", ""},
+        {"dt_share", ""},
+        {"compression", ""},
     };
     static const char *const probe_columns[][2] = {
         {"x", "cm"}, {"y", "cm"}, {"vx", "cm/us"}, {"vy", "cm/us"}};
@@ -104,7 +106,9 @@ struct book_row history_book_row(const struct measure_scales *scales, int64_t st
         .account = {exact_value(&m->potential, scales->energy), exact_value(&m->elastic, scales->energy),
                     exact_value(&m->thermal, scales->energy), exact_value(&m->chemical, scales->energy),
                     exact_value(&m->phase, scales->energy)},
-        .elements = (double)m->elements};
+        .elements = (double)m->elements,
+        .dt_share = m->dt_share,
+        .compression = m->compression};
 }
 
 enum dm2_status history_put_row(struct file_out *f, const struct config *c,
@@ -126,6 +130,8 @@ enum dm2_status history_put_row(struct file_out *f, const struct config *c,
     write_number(f, m->p_min);
     write_number(f, m->p_max);
     write_number(f, drift);
+    write_number(f, m->dt_share);
+    write_number(f, m->compression);
     for (size_t p = 0; p < c->n_probes; p++)
         write_probe(f, scales, &m->probe[p]);
     file_puts(f, "\n");

@@ -83,6 +83,11 @@ enum dm2_status results_history(struct results *r, int64_t step, const struct me
     return status;
 }
 
+bool results_warns(struct results *r, char line[RESULTS_LINE])
+{
+    return energy_book_warns(&r->book, r->config->dt, line);
+}
+
 void results_verdict(const struct results *r, struct results_verdict *out)
 {
     energy_book_verdict(&r->book, r->config->dt, out);

@@ -59,9 +59,10 @@ TEST(rows_that_are_read_back)
     struct dm2_error err = {0};
     struct energy_book book;
     struct results_verdict said;
+    char line[RESULTS_LINE];
     static const char text[] =
-        "step,kinetic [g],potential,elastic,thermal,chemical,phase,work,total,elements\n"
-        "40,1,0,0,0,0,0,0,1,7\n50,0.5,0.25,0,0,0,0,0,0.75,7\n";
+        "step,kinetic [g],potential,elastic,thermal,chemical,phase,work,total,elements,dt_share,compression\n"
+        "40,1,0,0,0,0,0,0,1,7,0.95,0.12\n50,0.5,0.25,0,0,0,0,0,0.75,7,0.5,0.2\n";
     energy_book_start(&book, 80);
     CHECK_EQ_INT(csv_parse("table", text, strlen(text), &table, &err), DM2_OK);
     CHECK_EQ_INT(energy_book_replay(&book, &table, &err), DM2_OK);
@@ -69,6 +70,12 @@ TEST(rows_that_are_read_back)
     CHECK_NEAR(book.drift, -0.25, 0);
     energy_book_verdict(&book, 0.1, &said);
     CHECK_CONTAINS(said.energy, "energy: since step 40 total drifted by -25 %");
+    CHECK_CONTAINS(said.energy, "; dt at most 0.95 of the limit (step 40)");
+    CHECK_CONTAINS(said.warning,
+                   "at step 40 dt was 0.95 of what was stable then, bonds compressed by up to 12 %");
+    CHECK(energy_book_warns(&book, 0.1, line));
+    CHECK_CONTAINS(line, "warning: step 40: dt is 0.95 of what is stable now (0.105 us)");
+    CHECK(!energy_book_warns(&book, 0.1, line)); /* once */
     static const char old[] = "step,kinetic\n0,1\n";
     CHECK_EQ_INT(csv_parse("table", old, strlen(old), &table, &err), DM2_OK);
     CHECK_EQ_INT(energy_book_replay(&book, &table, &err), DM2_PROTOCOL);

@@ -51,6 +51,8 @@ static struct measures some_measures(void)
     m.t_max = 311.5;
     m.p_min = -0.25;
     m.p_max = 0.75;
+    m.dt_share = 0.375;
+    m.compression = 0.125;
     m.probe[0].count = 4;
     exact_add(&m.probe[0].r[0], 8, scales.length);
     exact_add(&m.probe[0].r[1], 1, scales.length);
@@ -181,19 +183,21 @@ TEST(history_rows)
         "chemical [g cm2/us2],phase [g cm2/us2],work [g cm2/us2],total [g cm2/us2],momentum_x [g "
         "cm/us],momentum_y [g cm/us],angular_momentum [g "
         "cm2/us],"
-        "elements,links,contacts,temperature_max [K],pressure_min [Mbar],pressure_max [Mbar],drift,surface_x "
+        "elements,links,contacts,temperature_max [K],pressure_min [Mbar],pressure_max "
+        "[Mbar],drift,dt_share,compression,surface_x "
         "[cm],"
         "surface_y [cm],surface_vx [cm/us],surface_vy [cm/us],spall_x [cm],spall_y [cm],spall_vx [cm/us],"
         "spall_vy [cm/us]\n"
         "40,1,1.25,0.5,0.125,9.313225746154785e-10,2,-0.25,0.0625,3.5625000009313226,-3,0.1,7,1689,4903,12,"
         "311.5,-0."
-        "25,0.75,0,"
+        "25,0.75,0,0.375,0.125,"
         "2,0.25,-0.5,0.125,nan,nan,nan,nan\n"
-        "50,1.25,3.6625,0,0,0,0,0,0.1,3.5625,0,0,0,0,0,0,0,0,0,-2.5428602719876547e-10,nan,nan,nan,nan,nan,"
+        "50,1.25,3.6625,0,0,0,0,0,0.1,3.5625,0,0,0,0,0,0,0,0,0,-2.5428602719876547e-10,0,0,nan,nan,nan,nan,"
+        "nan,"
         "nan,nan,nan\n");
     free(text);
     CHECK_EQ_INT(csv_read(scratch_path("history/history.csv"), &csv, &err), DM2_OK);
-    CHECK_EQ_INT(csv.n_columns, 28);
+    CHECK_EQ_INT(csv.n_columns, 30);
     csv_free(&csv);
     fake_free(&f);
 }

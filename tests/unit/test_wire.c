@@ -182,6 +182,8 @@ static struct measures some_measures(void)
 {
     struct measures m;
     measures_clear(&m);
+    m.dt_share = 0.75;
+    m.compression = 0.0625;
     (void)exact_add(&m.kinetic, 1.25, 40);
     (void)exact_add(&m.momentum[1], -3.5, 40);
     m.elements = 17;
@@ -219,6 +221,8 @@ TEST(a_step_message_round_trip)
     CHECK_SAME_BITS(in.dmax, 0.5);
     CHECK(in.surveyed && memcmp(&in.spread, &out.spread, sizeof in.spread) == 0);
     CHECK(memcmp(&in.measures.kinetic, &out.measures.kinetic, sizeof in.measures.kinetic) == 0);
+    CHECK_NEAR(out.measures.dt_share, in.measures.dt_share, 0);
+    CHECK_NEAR(out.measures.compression, in.measures.compression, 0);
     CHECK(memcmp(&in.measures.probe, &out.measures.probe, sizeof in.measures.probe) == 0);
     CHECK_SAME_BITS(in.measures.p_min, INFINITY);
     for (size_t n = 0; n < w.length; n++) {

@@ -29,6 +29,8 @@ struct measures {
     uint64_t elements, links, contacts;
     double t_max;        /* K; -inf without elements */
     double p_min, p_max; /* Mbar; +inf and -inf without elements */
+    double dt_share;    /* largest share of the present limit that dt is (engine/stiffness.h); 0: not known */
+    double compression; /* largest 1 - x/r0 of bonds and contacts, at least 0 */
     struct probe_sums probe[PROBE_MAX];
 };
 

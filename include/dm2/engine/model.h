@@ -49,6 +49,26 @@ size_t model_elements(const struct model *model);
 /* The stable time step, us; *which is the name of the limiting mode, a constant text. */
 double model_stable_dt(const struct model *model, const char **which);
 
+/* The stable time step by the neighbours that the elements have at the start, us: the smaller of
+ * model_stable_dt and the deck's dt over start->dt_share. `start`: the measures of step 0. */
+double model_stable_start(const struct model *model, const struct measures *start, const char **which);
+
+/* DM2_DECK, with the place of dt in the deck, where dt is not below the limit by the neighbours at the start.
+ */
+enum dm2_status model_check_start(const struct model *model, const struct measures *start,
+                                  struct dm2_error *err);
+
+/* The bodies whose contact could make the time step smallest: elements of body `body` have room for `count`
+ * elements of body `other` around them, and then `dt`, us, would be the limit. count is 0 where no body has
+ * room for more than six of another one's. Only the first MODEL_ROOM_BODIES bodies are compared. */
+enum { MODEL_ROOM_BODIES = 1000 };
+struct model_room {
+    size_t body, other;
+    int count;
+    double dt;
+};
+struct model_room model_room(const struct model *model);
+
 /* Fills counts[cx * cy] with the number of generated elements in each cell, the weights of the decomposition
  * by particles. DM2_MEMORY. */
 enum dm2_status model_cell_counts(const struct model *model, uint32_t *counts, struct dm2_error *err);

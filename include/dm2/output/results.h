@@ -78,6 +78,10 @@ struct results_verdict {
 };
 void results_verdict(const struct results *r, struct results_verdict *out);
 
+/* True once, with a warning for the user, when dt has come near the limit that holds now. To be called after
+ * results_history. */
+bool results_warns(struct results *r, char line[RESULTS_LINE]);
+
 /* results_history, results_profile and results_snapshot ignore a step that is already in the run directory,
  * because a run that went back to an earlier state repeats such steps with the same numbers.
  *
