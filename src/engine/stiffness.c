@@ -13,12 +13,13 @@
 #include "dm2/base/simd.h"
 #include "pair_pass.h"
 
-/* Where an element has its sums, Mbar cm: stiffness from 0 on; 2 c_n/dt from `c` on where a law damps; of the
- * rotation kt and 2 c_t/dt from `turn` on where elements rotate; 0: not there. */
+/* Where an element has its sums: stiffness from 0 on; 2 c_n/dt from `c` on where a law damps; of the rotation
+ * kt and 2 c_t/dt from `turn` on where elements rotate, all in Mbar cm; the share of the limit by conduction
+ * at `heat` where a law conducts; 0: not there. */
 struct sum_layout {
-    size_t c, turn, count;
+    size_t c, turn, heat, count;
 };
-enum { LAYOUT_MOST = 8 };
+enum { LAYOUT_MECHANICAL = 8, LAYOUT_MOST = 9 };
 
 static struct sum_layout layout_of(const struct model *m)
 {
@@ -31,10 +32,14 @@ static struct sum_layout layout_of(const struct model *m)
         at.turn = at.count;
         at.count += 2;
     }
+    for (size_t k = 0; k < laws && at.heat == 0; k++)
+        if (m->laws[k].conduction > 0.0)
+            at.heat = at.count++;
     return at;
 }
 
-static const double range = 0x1p56; /* of a pair's part; 64 pairs fit in an integer */
+static const double range = 0x1p50;      /* of a pair's part: thousands of pairs fit in an integer */
+static const double heat_scale = 0x1p40; /* of shares */
 
 void stiffness_free(struct stiffness_sums *s)
 {
@@ -53,6 +58,7 @@ struct pair_part {
     double k, c;        /* along n: u'' and 2 c_n/dt, times the scale */
     double kt, ct;      /* along t, likewise; 0 without spin */
     double compression; /* 1 - x/r0 */
+    double conductance; /* heat per time and kelvin, g cm2/us3/K */
 };
 
 /* u'' of the bond at length x, Mbar cm; at least 0. */
@@ -71,7 +77,13 @@ DM2_INLINE double curvature(const struct pair_law *law, const struct bond *b, do
     return k > 0.0 ? k : 0.0;
 }
 
-/* c_n, returned, and c_t of the pair, Mbar us cm: of the damping force at unit velocity. */
+static bool is_driven(const struct particles *p, size_t i)
+{
+    return (p->flags[i] & ELEMENT_FIXED_MOTION) != 0;
+}
+
+/* c_n, returned, and c_t of the pair, Mbar us cm: of the damping force at unit velocity, without the factors
+ * of a contact's time step, which only make it smaller. */
 DM2_INLINE double damping(const struct model *m, const struct particles *p, size_t i, size_t j,
                           const struct pair_law *law, const struct bond *bond, bool linked, double *ct)
 {
@@ -79,8 +91,8 @@ DM2_INLINE double damping(const struct model *m, const struct particles *p, size
     struct pair_view view = {.vn = -1.0,
                              .mass_i = p->mass[i],
                              .mass_j = p->mass[j],
-                             .held_i = (p->flags[i] & ELEMENT_FIXED_MOTION) != 0,
-                             .held_j = (p->flags[j] & ELEMENT_FIXED_MOTION) != 0,
+                             .held_i = is_driven(p, i),
+                             .held_j = is_driven(p, j),
                              .t_i = particles_temperature(p, m, i),
                              .t_j = particles_temperature(p, m, j)};
     *ct = 0.0;
@@ -90,13 +102,8 @@ DM2_INLINE double damping(const struct model *m, const struct particles *p, size
         view.p_i = p->p[i];
         view.p_j = p->p[j];
     }
-    *ct = law_damping(law, &view, true, 0.0, &effect);
+    *ct = law_damping(law, bond, &view, linked, 0.0, 0.0, &effect);
     return effect.fdn;
-}
-
-static bool is_driven(const struct particles *p, size_t i)
-{
-    return (p->flags[i] & ELEMENT_FIXED_MOTION) != 0;
 }
 
 /* Fills *out for entry k of the near row of i; false where the pair is neither linked nor touching. */
@@ -113,11 +120,16 @@ DM2_INLINE bool find_part(const struct model *m, const struct particles *p, cons
     if (!(r2 > 0.0) || (!linked && r2 > r0 * r0 * (1.0 + 0x1p-24)))
         return false;
     double distance = sqrt(r2), x = distance - l->stretch[k], ct;
-    if ((!linked && !(distance <= r0)) || (is_driven(p, i) && is_driven(p, j)))
+    if (!linked && !law_touches(distance, r0))
         return false;
     const struct pair_law *law = particles_law(m, p, i, j);
     const struct bond made = r0 == law->bond.r0 ? (struct bond){0} : law_bond(law, r0);
     const struct bond *bond = r0 == law->bond.r0 ? &law->bond : &made;
+    double conductance = law->conduction * bond->area / distance;
+    if (is_driven(p, i) && is_driven(p, j)) {
+        *out = (struct pair_part){.conductance = conductance};
+        return conductance > 0.0;
+    }
     double cn = damping(m, p, i, j, law, bond, linked, &ct), of_c = scale * (2.0 / m->config->dt);
     bool turns = m->has_spin && law->tangential;
     double over = 1.0 / r2, kt = linked ? law->kt_link : law->kt_contact;
@@ -128,7 +140,8 @@ DM2_INLINE bool find_part(const struct model *m, const struct particles *p, cons
                               .c = of_c * cn,
                               .kt = turns ? scale * kt : 0.0,
                               .ct = turns ? of_c * ct : 0.0,
-                              .compression = 1.0 - x * bond->over_r0};
+                              .compression = 1.0 - x * bond->over_r0,
+                              .conductance = conductance};
     return true;
 }
 
@@ -155,6 +168,22 @@ DM2_INLINE void fix_part(const struct sum_layout *at, const struct pair_part *pa
     }
 }
 
+/* The share of the limit by conduction that a pair adds to slot i, in fixed point. Of the forward steps of
+ * temperatures Gershgorin's bound is dt sum of G (1 + sqrt(C_i/C_j))/C_i < 2; 3/4 of it is exact in the
+ * hexagonal lattice. */
+static int64_t fix_heat(const struct model *m, const struct particles *p, const struct pair_part *part,
+                        size_t i, size_t j)
+{
+    if (!(part->conductance > 0.0))
+        return 0;
+    double one = p->mass[i] * particles_heat_capacity(p, m, i);
+    double other = p->mass[j] * particles_heat_capacity(p, m, j);
+    if (!isfinite(one))
+        return 0;
+    double w = 1.0 + (isfinite(other) ? sqrt(one / other) : 0.0);
+    return to_fixed(law_lesser(0.375 * part->conductance * m->config->dt * w / one * heat_scale, range));
+}
+
 /* The largest eigenvalue of the symmetric tensor xx, yy, xy. */
 static double largest_eigenvalue(const int64_t *sum)
 {
@@ -168,17 +197,22 @@ static double share_of(double a, double b)
     return 0.5 * (b + sqrt(b * b + 4.0 * a));
 }
 
-static void measure_element(const struct model *m, const struct particles *p, size_t i,
-                            const struct sum_layout *at, const int64_t *sum, double over_scale,
-                            struct stiffness *out)
+/* The share of its limit that the deck's dt is for slot i, whose sums are complete. */
+static double element_share(const struct model *m, const struct particles *p, size_t i,
+                            const struct sum_layout *at, const int64_t *sum, double over_scale)
 {
     double dt = m->config->dt, unit = over_scale * (dt * dt) / (4.0 * p->mass[i]);
+    double share = at->heat > 0 ? (double)sum[at->heat] / heat_scale : 0.0;
+    if (is_driven(p, i))
+        return share;
     double damped = at->c > 0 ? unit * largest_eigenvalue(sum + at->c) : 0.0;
-    double shift = share_of(unit * largest_eigenvalue(sum), damped), turn = 0.0;
-    if (at->turn > 0)
-        turn = share_of(unit * (double)sum[at->turn], unit * (double)sum[at->turn + 1]);
-    double share = shift > turn ? shift : turn;
-    out->dt_share = share > out->dt_share ? share : out->dt_share;
+    double shift = share_of(unit * largest_eigenvalue(sum), damped);
+    share = shift > share ? shift : share;
+    if (at->turn > 0) {
+        double turn = share_of(unit * (double)sum[at->turn], unit * (double)sum[at->turn + 1]);
+        share = turn > share ? turn : share;
+    }
+    return share;
 }
 
 /* Where the sums of the elements are while rows are under way: those of PART_INSIDE in a ring, because its
@@ -207,12 +241,12 @@ static struct places find_places(const struct lists *l)
 }
 
 /* Adds the pairs in the row of owned slot i; the sums of slot j are at place_of(j). Compiled
- * apart for decks with all sums and for others. */
+ * apart for decks with all mechanical sums and for others. */
 DM2_INLINE void add_row(const struct model *m, const struct particles *p, const struct lists *l,
                         const struct period *period, size_t i, const struct sum_layout *at, int64_t *sum,
                         const struct places *places, struct stiffness *out)
 {
-    struct pair_part part;
+    struct pair_part part = {0};
     int64_t *own = sum + place_of(places, i) * at->count, fixed[LAYOUT_MOST];
     for (size_t k = l->near.start[i]; k < l->near.start[i + 1]; k++) {
         size_t j = l->near.j[k];
@@ -220,6 +254,8 @@ DM2_INLINE void add_row(const struct model *m, const struct particles *p, const 
             continue;
         bool driven_i = is_driven(p, i), driven_j = is_driven(p, j);
         fix_part(at, &part, p->mass[i], p->mass[j], driven_j, fixed);
+        if (at->heat > 0)
+            fixed[at->heat] = fix_heat(m, p, &part, i, j);
         for (size_t c = 0; c < at->count; c++)
             own[c] += fixed[c];
         out->compression = part.compression > out->compression ? part.compression : out->compression;
@@ -228,6 +264,8 @@ DM2_INLINE void add_row(const struct model *m, const struct particles *p, const 
         int64_t *other = sum + place_of(places, j) * at->count;
         if (p->mass[i] != p->mass[j] || driven_i || driven_j)
             fix_part(at, &part, p->mass[j], p->mass[i], driven_i, fixed);
+        if (at->heat > 0)
+            fixed[at->heat] = fix_heat(m, p, &part, j, i);
         for (size_t c = 0; c < at->count; c++)
             other[c] += fixed[c];
     }
@@ -242,8 +280,8 @@ DM2_INLINE void add_rows(const struct model *m, const struct particles *p, const
     for (size_t i = 0; i < p->n_own; i++) {
         int64_t *own = sum + place_of(places, i) * at->count;
         add_row(m, p, l, &period, i, at, sum, places, out);
-        if (!is_driven(p, i))
-            measure_element(m, p, i, at, own, 1.0 / m->fixed.stiffness, out);
+        double share = element_share(m, p, i, at, own, 1.0 / m->fixed.stiffness);
+        out->dt_share = share > out->dt_share ? share : out->dt_share;
         for (size_t c = 0; c < at->count; c++)
             own[c] = 0;
     }
@@ -252,7 +290,7 @@ DM2_INLINE void add_rows(const struct model *m, const struct particles *p, const
 DM2_WIDE static void add_rows_all(const struct model *m, const struct particles *p, const struct lists *l,
                                   int64_t *sum, const struct places *places, struct stiffness *out)
 {
-    const struct sum_layout at = {.c = 3, .turn = 6, .count = LAYOUT_MOST};
+    const struct sum_layout at = {.c = 3, .turn = 6, .count = LAYOUT_MECHANICAL};
     add_rows(m, p, l, &at, sum, places, out);
 }
 
@@ -277,7 +315,7 @@ enum dm2_status stiffness_measure(const struct model *m, const struct particles 
         return dm2_fail(err, DM2_MEMORY, "no memory for the stiffness of %zu elements", n);
     s->sum = sum;
     memset(sum, 0, n * at.count * sizeof *sum);
-    if (at.count == LAYOUT_MOST)
+    if (at.count == LAYOUT_MECHANICAL && at.heat == 0)
         add_rows_all(m, p, l, sum, &places, out);
     else
         add_rows_some(m, p, l, sum, &places, out);

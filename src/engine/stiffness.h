@@ -6,7 +6,8 @@
  * driven
  *
  * and for the rotation s(dt) = sum of (kt dt^2 + 2 c_t dt) max(w, 2)/(2 m_i). In a lattice of equals this is
- * the limit of stability.h. Source: docs/physics.md, section 7. */
+ * the limit of stability.h. Conduction: s(dt) = 3/8 sum of G dt (1 + sqrt(C_i/C_j))/C_i, with the conductance
+ * G of a pair and heat capacities C. Source: docs/physics.md, section 7. */
 #ifndef DM2_ENGINE_STIFFNESS_H
 #define DM2_ENGINE_STIFFNESS_H
 
@@ -27,7 +28,7 @@ void stiffness_free(struct stiffness_sums *s);
 size_t stiffness_bytes(const struct stiffness_sums *s); /* memory held */
 
 struct stiffness {
-    double dt_share;    /* largest share of its limit that the deck's dt is for an owned free element */
+    double dt_share;    /* largest share of its limit that the deck's dt is for an owned element */
     double compression; /* largest 1 - x/r0 of the bonds and contacts of free elements, at least 0 */
 };
 

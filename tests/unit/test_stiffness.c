@@ -27,6 +27,12 @@ static const char light[] =
     "material = H }\n"
     "void hole { shape = disc 1 cm, 1 cm, 0.313 cm; body = crystal }\n";
 
+static const char rod[] =
+    "domain { size = 0.2 0.2; r_c = 0.011; delta_r = 0.001 }\n"
+    "time { dt = 5e-2; steps = 20 }\n"
+    "material Cu { rho0 = 8.93 g/cm3; c0 = 3.94 km/s; s = 1.489; cp = 385 J/kg/K; kappa = 401 W/m/K }\n"
+    "body rod { shape = rectangle 0.05 0.05 0.15 0.15; spacing = 0.01; material = Cu; motion = fixed }\n";
+
 /* The measures of step 0. */
 static struct measures start(struct engine *g)
 {
@@ -58,6 +64,19 @@ TEST(lattice_has_the_limit_of_the_deck)
     check_sheet("zeta=0.3", "ct=0", "kt=0");
     check_sheet("zeta=0.1", "ct=0.1", "kt=0.3");
     check_sheet("zeta=0", "ct=0.2", "kt=0"); /* damping alone limits the rotation */
+}
+
+/* Driven elements conduct. */
+TEST(conduction_in_a_lattice)
+{
+    struct engine g;
+    const char *which;
+    engine_start(&g, rod, NULL, 1);
+    struct measures m = start(&g);
+    CHECK_NEAR_REL(m.dt_share, g.deck.config.dt / model_stable_dt(g.model, &which), 1e-6);
+    CHECK_STR(which, "heat conduction");
+    CHECK_NEAR(m.compression, 0, 0);
+    engine_stop(&g);
 }
 
 /* A Morse bond stiffens as 2 E^2 - E. */
@@ -117,5 +136,6 @@ TEST(unstable_start_is_refused)
     engine_stop(&g);
 }
 
-TEST_MAIN(CASE(lattice_has_the_limit_of_the_deck), CASE(compression_lowers_the_limit),
-          CASE(light_disc_among_heavy_elements), CASE(unstable_start_is_refused))
+TEST_MAIN(CASE(lattice_has_the_limit_of_the_deck), CASE(conduction_in_a_lattice),
+          CASE(compression_lowers_the_limit), CASE(light_disc_among_heavy_elements),
+          CASE(unstable_start_is_refused))
