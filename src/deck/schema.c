@@ -66,7 +66,7 @@ static const struct deck_key domain_keys[] = {
 
 static const struct deck_key time_keys[] = {
     {"dt", VALUE_REAL, 1, TIME, POSITIVE, .required = true, .offset = offsetof(struct config, dt),
-     .meaning = "the time step"},
+     .meaning = "the time step: at most 0.5 of the limit that `--check` prints"},
     {"steps", VALUE_WHOLE, 1, PLAIN, NOT_NEGATIVE, .required = true, .offset = offsetof(struct config, steps),
      .meaning = "number of time steps; `--steps` on the command line replaces it"},
 };

@@ -107,7 +107,7 @@ enum dm2_status energy_book_check(const struct energy_book *book, double dt, str
     describe_limit(book, limit, sizeof limit);
     return dm2_fail(err, DM2_NUMERIC,
                     "step %" PRId64 ": the energy book is off by %.0f %% of what moved (%.3g g cm2/us2): the "
-                    "run is unstable%s; choose dt below %.2g us",
+                    "run is unstable, or dt is far too large%s; choose dt below %.2g us",
                     book->last, 100.0 * fabs(book->drift), book->moved, limit, 0.5 * dt);
 }
 
