@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "dm2/base/mem.h"
+#include "dm2/base/number.h"
 
 void bytes_clear(struct bytes_writer *w)
 {
@@ -127,7 +128,7 @@ void bytes_put_i64(struct bytes_writer *w, int64_t value)
 
 void bytes_put_f64(struct bytes_writer *w, double value)
 {
-    bytes_put_u64(w, bits_of(value));
+    bytes_put_u64(w, bits_of(number_plus_zero(value)));
 }
 
 void bytes_put_f64s(struct bytes_writer *w, const double *values, size_t n)
@@ -140,7 +141,7 @@ void bytes_put_f64s(struct bytes_writer *w, const double *values, size_t n)
     if (p == NULL)
         return;
     for (size_t k = 0; k < n; k++)
-        store_u64(p + 8 * k, bits_of(values[k]));
+        store_u64(p + 8 * k, bits_of(number_plus_zero(values[k])));
 }
 
 void bytes_put_raw(struct bytes_writer *w, const void *data, size_t n)

@@ -33,12 +33,13 @@ static size_t format_whole(uint64_t n, bool negative, char *out)
 
 size_t number_format(double x, char out[NUMBER_TEXT_MAX])
 {
+    x = number_plus_zero(x);
     if (isnan(x)) {
         memcpy(out, "nan", 4);
         return 3;
     }
     if (fabs(x) < 1e15 && x == floor(x))
-        return format_whole((uint64_t)fabs(x), signbit(x) != 0, out);
+        return format_whole((uint64_t)fabs(x), x < 0, out);
     int length = 0;
     for (int digits = 15; digits <= 17; digits++) {
         length = snprintf(out, NUMBER_TEXT_MAX, "%.*g", digits, x);

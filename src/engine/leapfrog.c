@@ -9,6 +9,7 @@
 
 #include <math.h>
 
+#include "dm2/base/number.h"
 #include "dm2/base/simd.h"
 #include "lists.h"
 
@@ -102,12 +103,12 @@ void leapfrog_stress(const struct model *m, const struct particles *p, size_t i,
     find_stress(m, p, i, VIRIAL_TALLY, stress);
 }
 
-/* P = -tr(sigma)/2 of slot i, Mbar. */
+/* P = -tr(sigma)/2 of slot i, Mbar; never -0. */
 static inline double find_pressure(const struct model *m, const struct particles *p, size_t i)
 {
     double stress[VIRIAL_XY];
     find_stress(m, p, i, VIRIAL_XY, stress);
-    return -0.5 * (stress[VIRIAL_XX] + stress[VIRIAL_YY]);
+    return number_plus_zero(-0.5 * (stress[VIRIAL_XX] + stress[VIRIAL_YY]));
 }
 
 void leapfrog_set_pressure(const struct model *m, struct particles *p)
@@ -133,7 +134,7 @@ static bool measure_element(const struct model *m, const struct particles *p, si
     double v[2] = {p->v[2 * i] + share * k->dv[0], p->v[2 * i + 1] + share * k->dv[1]};
     double w = p->w[i] + share * k->dw, spin = 0.5 * mass * (p->radius[i] * p->radius[i]) * w;
     double x = p->r[2 * i], y = p->r[2 * i + 1], work = p->work != NULL ? p->work[i] : 0.0;
-    double temperature = particles_temperature(p, m, i);
+    double temperature = number_plus_zero(particles_temperature(p, m, i));
     if (p->flags[i] & ELEMENT_FIXED_MOTION)
         work += share * leapfrog_kick_time(m, step) * find_drive_power(p, i, k);
     bool fits =

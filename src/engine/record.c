@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "dm2/base/number.h"
 #include "dm2/deck/config.h"
 #include "dm2/engine/model.h"
 
@@ -82,6 +83,7 @@ static inline void put_number(unsigned char *to, const unsigned char *from, enum
     uint16_t u16;
     uint32_t u32;
     uint64_t u64;
+    double f64;
     switch (type) {
     case FIELD_U8:
         *to = *from;
@@ -95,7 +97,9 @@ static inline void put_number(unsigned char *to, const unsigned char *from, enum
         store_number(to, u32, sizeof u32);
         break;
     case FIELD_F64:
-        memcpy(&u64, from, sizeof u64);
+        memcpy(&f64, from, sizeof f64);
+        f64 = number_plus_zero(f64);
+        memcpy(&u64, &f64, sizeof u64);
         store_number(to, u64, sizeof u64);
         break;
     }

@@ -250,9 +250,11 @@ static inline void base64_put(struct base64 *b, uint64_t bits, size_t bytes)
     b->used += bytes;
 }
 
+/* The bits of x, of +0 where x is -0. */
 static inline uint64_t bits_of(double x)
 {
     uint64_t bits;
+    x = number_plus_zero(x);
     memcpy(&bits, &x, sizeof bits);
     return bits;
 }

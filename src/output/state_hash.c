@@ -1,12 +1,13 @@
-/* The hash of a record mixes every field, doubles by their bits, so that -0 and 0 differ; the last round
- * makes each bit of the hash depend on every field. Padding is not hashed, because the fields are mixed one
- * by one. */
+/* The hash of a record mixes every field, doubles by their bits, -0 as 0 like in the state file; the last
+ * round makes each bit of the hash depend on every field. Padding is not hashed, because the fields are mixed
+ * one by one. */
 #include "dm2/output/state_hash.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "dm2/base/mem.h"
+#include "dm2/base/number.h"
 #include "dm2/engine/record.h"
 
 /* One round of splitmix64 (Steele, Lea and Flood, 2014) over the running hash. */
@@ -21,6 +22,7 @@ static uint64_t mix_value(uint64_t h, uint64_t value)
 static uint64_t mix_double(uint64_t h, double value)
 {
     uint64_t bits;
+    value = number_plus_zero(value);
     memcpy(&bits, &value, sizeof bits);
     return mix_value(h, bits);
 }

@@ -29,7 +29,7 @@ TEST(fewest_digits)
 TEST(whole_numbers)
 {
     check_text(0.0, "0");
-    check_text(-0.0, "-0");
+    check_text(-0.0, "0");
     check_text(200, "200");
     check_text(-1689, "-1689");
     check_text(999999999999999, "999999999999999");

@@ -55,7 +55,7 @@ static void check_values(const struct vtp *vtp, const struct fake *f)
         CHECK_SAME_BITS(values(vtp, "velocity", 3)[3 * i + 1], m->velocity[1]);
         CHECK_SAME_BITS(values(vtp, "spin", 1)[i], e->w);
         CHECK_SAME_BITS(values(vtp, "temperature", 1)[i], m->temperature);
-        CHECK_SAME_BITS(values(vtp, "pressure", 1)[i], -0.5 * (m->stress[0] + m->stress[1]));
+        CHECK_SAME_BITS(values(vtp, "pressure", 1)[i], -0.5 * (m->stress[0] + m->stress[1]) + 0.0);
         for (size_t c = 0; c < 3; c++)
             CHECK_SAME_BITS(values(vtp, "stress", 3)[3 * i + c], m->stress[c]);
         CHECK_EQ_INT(values(vtp, "links", 1)[i], m->links);
@@ -260,7 +260,7 @@ TEST(xyz_round_trip)
                                0,
                                e->w,
                                m->temperature,
-                               -0.5 * (m->stress[0] + m->stress[1]),
+                               -0.5 * (m->stress[0] + m->stress[1]) + 0.0,
                                m->stress[0],
                                m->stress[1],
                                m->stress[2],

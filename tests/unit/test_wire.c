@@ -19,7 +19,7 @@ static struct element some_element(uint32_t id)
                             .radius = 0.02,
                             .mass = 0.1 + id,
                             .r = {1.5, -2.5},
-                            .v = {-0.0, 5e-324},
+                            .v = {0.0, 5e-324},
                             .w = 1e300,
                             .heat = 0.25,
                             .p = -0.125,

@@ -25,7 +25,7 @@ void bytes_put_u16(struct bytes_writer *w, uint16_t value);
 void bytes_put_u32(struct bytes_writer *w, uint32_t value);
 void bytes_put_u64(struct bytes_writer *w, uint64_t value);
 void bytes_put_i64(struct bytes_writer *w, int64_t value); /* two's complement */
-void bytes_put_f64(struct bytes_writer *w, double value);  /* IEEE 754 binary64 */
+void bytes_put_f64(struct bytes_writer *w, double value);  /* IEEE 754 binary64; -0 is put as 0 */
 void bytes_put_f64s(struct bytes_writer *w, const double *values, size_t n);
 void bytes_put_raw(struct bytes_writer *w, const void *data, size_t n);
 /* Puts a text: the length as u32, then the bytes without the NUL. */

@@ -8,9 +8,16 @@
 
 enum { NUMBER_TEXT_MAX = 32 };
 
+/* x, and 0 where x is -0. The two zeros compare as equal, so that the minimum or maximum of several numbers
+ * may be either, by their order; whatever is printed, stored or hashed is +0. */
+static inline double number_plus_zero(double x)
+{
+    return x + 0.0; /* in rounding to nearest, -0 + 0 is +0 and no other sum changes */
+}
+
 /* Writes x with the fewest of 15, 16 or 17 significant digits that read back to the same double, or as "nan",
  * "inf",
- * "-inf", and returns the length. A negative zero is "-0". */
+ * "-inf", and returns the length. A negative zero is "0". */
 size_t number_format(double x, char out[NUMBER_TEXT_MAX]);
 
 /* Reads text[0 .. length), which must be one number: decimal digits with optional sign, point and exponent,

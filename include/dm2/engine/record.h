@@ -42,7 +42,7 @@ enum { ELEMENT_FIELDS = 19, ELEMENT_DOUBLES = 16 };
 extern const struct element_field element_fields[ELEMENT_FIELDS];
 
 /* The form of a record: its fields and their order. All numbers are little-endian, doubles as their IEEE
- * 754 bits. */
+ * 754 bits, -0 as 0. */
 enum record_form {
     RECORD_MIRROR, /* a mirrored element: all but the owner's fields, in the order of the table */
     RECORD_OWNED,  /* all fields, in the order of the table */

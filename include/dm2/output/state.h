@@ -1,7 +1,7 @@
 /* The state file, which is also a checkpoint and final.dm2: all that the next step reads, in the same bytes
  * from every program and any number of servers.
  *
- * Format, version 4, numbers little-endian, doubles as their IEEE 754 bits:
+ * Format, version 4, numbers little-endian, doubles as their IEEE 754 bits, -0 as 0:
  *
  *   magic            8 bytes  "DM2STATE"
  *   version          u32
