@@ -76,3 +76,16 @@ int grid_neighbours(const struct grid *g, int cell, int out[8])
     }
     return count;
 }
+
+double grid_wrap_far(double low, double size, double x, int32_t *turns)
+{
+    const double most = INT32_MAX / 2;
+    double n = floor((x - low) / size);
+    n = n > most ? most : n < -most ? -most : n;
+    double near = x - n * size; /* by rounding at most about an edge away from its place */
+    int32_t last = 0;
+    if (near >= low - size && near < low + 2.0 * size)
+        near = grid_wrap(low, size, near, &last);
+    *turns = (int32_t)n + last;
+    return near;
+}

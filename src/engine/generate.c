@@ -8,6 +8,7 @@
 
 #include <math.h>
 
+#include "dm2/base/grid.h"
 #include "dm2/base/random.h"
 #include "dm2/base/real.h"
 #include "dm2/deck/shape.h"
@@ -112,7 +113,8 @@ static enum dm2_status make_element(struct generation *g, uint64_t grain, const 
                         .radius = b->radius};
     e.mass = kind_mass(&c->materials[material], b->radius);
     for (int a = 0; a < 2; a++) {
-        e.r[a] = r[a];
+        int32_t turns;
+        e.r[a] = c->periodic[a] ? grid_wrap(c->origin[a], c->size[a], r[a], &turns) : r[a];
         e.v[a] = b->velocity[a];
         if (b->jitter > 0.0)
             e.v[a] += b->jitter * (2.0 * random_uniform(b->seed, id, RANDOM_VELOCITY_X + a) - 1.0);
@@ -121,7 +123,7 @@ static enum dm2_status make_element(struct generation *g, uint64_t grain, const 
         e.heat = e.mass * kind->cp * (b->temperature - kind->t0);
     for (int a = 0; a < 2 && model->reaction.any; a++)
         e.share[a] = material == model->reaction.reactant[a] ? 1.0 : 0.0;
-    e.probes = find_probes(c, r);
+    e.probes = find_probes(c, e.r);
     return g->sink(g->context, &e, err);
 }
 
@@ -168,13 +170,9 @@ static enum dm2_status fill_crystal(struct generation *g, struct dm2_error *err)
 /* The position in the domain of x, which may lie beyond a periodic side that the body spans. */
 static void wrap_position(const struct grain_set *set, const double x[2], double r[2])
 {
-    for (int a = 0; a < 2; a++) {
-        r[a] = x[a];
-        if (set->wraps[a])
-            r[a] = x[a] < set->low[a]                     ? x[a] + set->period[a]
-                   : x[a] >= set->low[a] + set->period[a] ? x[a] - set->period[a]
-                                                          : x[a];
-    }
+    int32_t turns;
+    for (int a = 0; a < 2; a++)
+        r[a] = set->wraps[a] ? grid_wrap(set->low[a], set->period[a], x[a], &turns) : x[a];
 }
 
 /* Does grain `other`, shifted by `shift`, hold a site whose distance from x is below g->apart? */

@@ -178,13 +178,6 @@ static enum dm2_status fail_out_of_range(const struct particles *p, size_t i, in
                     p->v[2 * i + 1]);
 }
 
-/* Coordinate a, x or y, of an element that has drifted to r, back in the domain across a periodic side. */
-DM2_INLINE double wrap_position(const struct grid *grid, size_t a, double r)
-{
-    double low = grid->origin[a], size = grid->size[a];
-    return !grid->periodic[a] ? r : r >= low + size ? r - size : r < low ? r + size : r;
-}
-
 /* Kicks and drifts the owned elements; compiled apart for decks with near pairs and without. Returns the
  * largest squared speed; *bad is the first slot whose squared speed is not below limit2, n_own if there is
  * none. `own` is a copy of the columns that no other pointer reaches, so that a store to one column does not
@@ -195,7 +188,7 @@ DM2_INLINE double kick_and_drift(const struct model *m, const struct particles *
     struct particles own = *columns, *p = &own;
     const struct config *c = m->config;
     const bool pulled = c->gravity[0] != 0.0 || c->gravity[1] != 0.0;
-    const bool periodic = m->grid.periodic[0] || m->grid.periodic[1];
+    int32_t turns;
     double dt = c->dt, fastest2 = 0.0;
     *bad = p->n_own;
     for (size_t i = 0; i < p->n_own; i++) {
@@ -210,7 +203,8 @@ DM2_INLINE double kick_and_drift(const struct model *m, const struct particles *
         for (size_t a = 0; a < 2; a++) {
             r[a] += v[a] * dt;
             p->v[2 * i + a] = v[a];
-            p->r[2 * i + a] = periodic ? wrap_position(&m->grid, a, r[a]) : r[a];
+            p->r[2 * i + a] =
+                m->grid.periodic[a] ? grid_wrap(m->grid.origin[a], m->grid.size[a], r[a], &turns) : r[a];
         }
         if (p->work != NULL && (p->flags[i] & ELEMENT_FIXED_MOTION))
             p->work[i] += find_drive_power(p, i, &k) * dt_kick;

@@ -8,6 +8,7 @@
 
 #include <math.h>
 
+#include "dm2/base/grid.h"
 #include "dm2/base/mem.h"
 #include "dm2/base/random.h"
 #include "dm2/base/real.h"
@@ -38,8 +39,9 @@ static double keep_inside(const struct body_config *body, const struct grain_set
     }
     for (int a = 0; a < 2; a++) {
         double low = s->box[a], high = s->box[a + 2], before = x[a];
+        int32_t turns;
         if (set->wraps[a])
-            x[a] = x[a] < low ? x[a] + set->period[a] : x[a] >= high ? x[a] - set->period[a] : x[a];
+            x[a] = grid_wrap(set->low[a], set->period[a], x[a], &turns);
         else {
             x[a] = x[a] < low + radius ? low + radius : x[a] > high - radius ? high - radius : x[a];
             out = fabs(x[a] - before) > out ? fabs(x[a] - before) : out;

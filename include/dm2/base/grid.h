@@ -4,6 +4,7 @@
 #define DM2_BASE_GRID_H
 
 #include <stdbool.h>
+#include <stdint.h>
 
 #include "dm2/base/status.h"
 
@@ -27,5 +28,34 @@ int grid_cell(const struct grid *g, double x, double y);
 /* Writes to `out` the distinct cells around `cell`, without `cell` itself, across periodic sides too. Returns
  * their number, at most 8. */
 int grid_neighbours(const struct grid *g, int cell, int out[8]);
+
+/* grid_wrap of a place that is a whole size or more outside the domain. */
+double grid_wrap_far(double low, double size, double x, int32_t *turns);
+
+/* The coordinate x, cm, along a periodic direction as a place in the half-open domain [low, low + size), and
+ * the sizes that were taken off in *turns: 1 across the upper edge, -1 across the lower edge, 0 within. A
+ * coordinate just below `low` whose place rounds to the upper edge is at `low`, and has made no turn. A
+ * coordinate that is not a number stays as it is. */
+static inline double grid_wrap(double low, double size, double x, int32_t *turns)
+{
+    double high = low + size, place = x;
+    *turns = 0;
+    if (x >= high) {
+        if (x - size >= high)
+            return grid_wrap_far(low, size, x, turns);
+        *turns = 1;
+        place = x - size;
+        return place < low ? low : place;
+    }
+    if (x < low) {
+        place = x + size;
+        if (place < low)
+            return grid_wrap_far(low, size, x, turns);
+        if (place >= high)
+            return low;
+        *turns = -1;
+    }
+    return place;
+}
 
 #endif
