@@ -133,7 +133,8 @@ static bool measure_element(const struct model *m, const struct particles *p, si
     double share = step == 0 ? 0.0 : 0.5, mass = p->mass[i];
     double v[2] = {p->v[2 * i] + share * k->dv[0], p->v[2 * i + 1] + share * k->dv[1]};
     double w = p->w[i] + share * k->dw, spin = 0.5 * mass * (p->radius[i] * p->radius[i]) * w;
-    double x = p->r[2 * i], y = p->r[2 * i + 1], work = p->work != NULL ? p->work[i] : 0.0;
+    double x = particles_unwrapped(p, m, i, 0), y = particles_unwrapped(p, m, i, 1),
+           work = p->work != NULL ? p->work[i] : 0.0;
     double temperature = number_plus_zero(particles_temperature(p, m, i));
     if (p->flags[i] & ELEMENT_FIXED_MOTION)
         work += share * leapfrog_kick_time(m, step) * find_drive_power(p, i, k);
@@ -159,8 +160,9 @@ static bool measure_element(const struct model *m, const struct particles *p, si
         if (!(p->probes[i] >> b & 1))
             continue;
         out->probe[b].count++;
+        const double r[2] = {x, y};
         for (int a = 0; a < 2; a++) {
-            fits &= exact_add(&out->probe[b].r[a], p->r[2 * i + (size_t)a], s->length);
+            fits &= exact_add(&out->probe[b].r[a], r[a], s->length);
             fits &= exact_add(&out->probe[b].v[a], v[a], s->velocity);
         }
     }
@@ -178,17 +180,29 @@ static enum dm2_status fail_out_of_range(const struct particles *p, size_t i, in
                     p->v[2 * i + 1]);
 }
 
+/* Wraps coordinate `at` of the places, along periodic direction a, into the domain. False where the element
+ * has gone round more than IMAGE_MOST times. */
+DM2_INLINE bool wrap_place(const struct model *m, const struct particles *p, size_t at, size_t a)
+{
+    int32_t turns;
+    p->r[at] = grid_wrap(m->grid.origin[a], m->grid.size[a], p->r[at], &turns);
+    if (turns == 0)
+        return true;
+    p->image[at] += turns;
+    return p->image[at] <= IMAGE_MOST && p->image[at] >= -IMAGE_MOST;
+}
+
 /* Kicks and drifts the owned elements; compiled apart for decks with near pairs and without. Returns the
- * largest squared speed; *bad is the first slot whose squared speed is not below limit2, n_own if there is
- * none. `own` is a copy of the columns that no other pointer reaches, so that a store to one column does not
- * force the processor to reload the addresses of all. */
+ * largest squared speed; *bad is the first slot whose squared speed is not below limit2, or that has gone
+ * round the domain more than IMAGE_MOST times, n_own if there is none. `own` is a copy of the columns that no
+ * other pointer reaches, so that a store to one column does not force the processor to reload the addresses
+ * of all. */
 DM2_INLINE double kick_and_drift(const struct model *m, const struct particles *columns, double dt_kick,
                                  double limit2, bool near, size_t *bad)
 {
     struct particles own = *columns, *p = &own;
     const struct config *c = m->config;
     const bool pulled = c->gravity[0] != 0.0 || c->gravity[1] != 0.0;
-    int32_t turns;
     double dt = c->dt, fastest2 = 0.0;
     *bad = p->n_own;
     for (size_t i = 0; i < p->n_own; i++) {
@@ -203,8 +217,11 @@ DM2_INLINE double kick_and_drift(const struct model *m, const struct particles *
         for (size_t a = 0; a < 2; a++) {
             r[a] += v[a] * dt;
             p->v[2 * i + a] = v[a];
-            p->r[2 * i + a] =
-                m->grid.periodic[a] ? grid_wrap(m->grid.origin[a], m->grid.size[a], r[a], &turns) : r[a];
+            p->r[2 * i + a] = r[a];
+            if (m->grid.periodic[a] && !wrap_place(m, p, 2 * i + a, a)) {
+                *bad = i;
+                return speed2;
+            }
         }
         if (p->work != NULL && (p->flags[i] & ELEMENT_FIXED_MOTION))
             p->work[i] += find_drive_power(p, i, &k) * dt_kick;
@@ -247,6 +264,12 @@ enum dm2_status leapfrog_move(const struct model *m, struct particles *p, int64_
     size_t bad;
     double fastest2 = m->has_near ? kick_and_drift_near(m, p, dt_kick, limit2, &bad)
                                   : kick_and_drift_far(m, p, dt_kick, limit2, &bad);
+    if (bad < p->n_own && fastest2 < limit2)
+        return dm2_fail(
+            err, DM2_NUMERIC,
+            "step %lld: element %u has gone round the periodic domain more than 2^30 times, more than "
+            "its counts of turns hold: end the run earlier",
+            (long long)step, p->id[bad]);
     if (bad < p->n_own)
         return fail_out_of_range(p, bad, step, "would move further than a cell edge in one step", err);
     *dmax = sqrt(fastest2) * dt;

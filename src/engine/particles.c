@@ -20,7 +20,8 @@ enum need {
     PRESSURE = 32,
     KINDS = 64,
     REACTION = 128,
-    STRAIN = 256
+    STRAIN = 256,
+    PERIODIC = 512
 };
 
 struct column {
@@ -55,6 +56,7 @@ static const struct column columns[] = {
     COLUMN(was, 1, KINDS),
     COLUMN(share, 2, REACTION),
     COLUMN(strain, 3, STRAIN),
+    COLUMN(image, 2, PERIODIC),
     /* The last four are no part of the state: they hold the sums of one force evaluation. */
     COLUMN(far_sum, 2, FAR),
     COLUMN(pair_sum, SUM_COUNT, NEAR),
@@ -69,6 +71,7 @@ static unsigned find_needs(const struct model *m)
     unsigned needs = ALWAYS | (m->has_near ? NEAR | HEAT : 0u) | (m->has_far || !m->has_near ? FAR : 0u) |
                      (m->has_pressure || m->has_phases ? PRESSURE : 0u) | (m->has_kinds ? KINDS | HEAT : 0u) |
                      (m->reaction.any ? REACTION : 0u) | (m->has_strain ? STRAIN : 0u) |
+                     (c->periodic[0] || c->periodic[1] ? PERIODIC : 0u) |
                      (c->gravity[0] != 0.0 || c->gravity[1] != 0.0 ? WORK : 0u);
     for (size_t b = 0; b < c->n_bodies; b++)
         needs |= c->bodies[b].motion != MOTION_FREE ? WORK : 0u;
@@ -167,6 +170,8 @@ void particles_get(const struct particles *p, size_t i, struct element *out)
         memcpy(out->share, p->share + 2 * i, sizeof out->share);
     if (p->groups & STRAIN)
         memcpy(out->strain, p->strain + 3 * i, sizeof out->strain);
+    if (p->groups & PERIODIC)
+        memcpy(out->image, p->image + 2 * i, sizeof out->image);
 }
 
 void particles_put(struct particles *p, const struct model *m, size_t i, const struct element *in)
@@ -199,6 +204,8 @@ void particles_put(struct particles *p, const struct model *m, size_t i, const s
         memcpy(p->share + 2 * i, in->share, sizeof in->share);
     if (p->groups & STRAIN)
         memcpy(p->strain + 3 * i, in->strain, sizeof in->strain);
+    if (p->groups & PERIODIC)
+        memcpy(p->image + 2 * i, in->image, sizeof in->image);
     particles_warm(p, m, i, 1.0 / p->mass[i]);
 }
 

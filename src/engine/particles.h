@@ -60,6 +60,7 @@ struct particles {
     uint16_t *was;   /* [n] kind before the last move; likewise */
     double *strain;  /* [n][3] xx, yy, xy, of owned elements; a deck that asks for strain */
     uint16_t *bonds; /* [n] links at the start, of owned elements; near pairs */
+    int32_t *image; /* [n][2] sizes of the domain that wrapping took off, of owned elements; periodic sides */
     uint32_t *id, *grain;
     uint16_t *kind, *body;
     uint8_t *flags, *probes;
@@ -143,6 +144,14 @@ static inline void particles_warm(struct particles *p, const struct model *m, si
 static inline bool particles_walls(const struct particles *p, size_t i, size_t j)
 {
     return (p->flags[i] & p->flags[j] & ELEMENT_FIXED_MOTION) != 0 && p->body[i] != p->body[j];
+}
+
+/* Coordinate a of slot i, owned, as if the element had never gone round a periodic domain, cm: r + image
+ * size. */
+static inline double particles_unwrapped(const struct particles *p, const struct model *m, size_t i, size_t a)
+{
+    double r = p->r[2 * i + a];
+    return p->image != NULL ? r + (double)p->image[2 * i + a] * m->grid.size[a] : r;
 }
 
 /* The law of slot i with slot j, as i sees the pair. */

@@ -36,15 +36,18 @@ const struct element_field element_fields[ELEMENT_FIELDS] = {
     ROW(work, "g cm2/us2", FIELD_F64, 1, RULE_NONE, true),
     ROW(strain, "", FIELD_F64, 3, RULE_NONE, true),
     ROW(moved, "g cm2/us2", FIELD_F64, 1, RULE_NONE, true),
+    ROW(image, "", FIELD_I32, 2, RULE_IMAGE, true),
     ROW(bonds, "", FIELD_U16, 1, RULE_NONE, true),
 };
 #undef ROW
 
-/* Version 4 of the state file: the table's first thirteen, then work, strain, bonds, was, share, moved. */
-static const uint8_t state_order[ELEMENT_FIELDS] = {0,  1,  2,  3,  4,  5,  6,  7,  8, 9,
-                                                    10, 11, 12, 15, 16, 18, 13, 14, 17};
+/* Version 5 of the state file: the table's first thirteen, then work, strain, bonds, was, share, moved,
+ * image. */
+static const uint8_t state_order[ELEMENT_FIELDS] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,
+                                                    10, 11, 12, 15, 16, 19, 13, 14, 17, 18};
 
-static const uint8_t field_bytes[] = {[FIELD_U8] = 1, [FIELD_U16] = 2, [FIELD_U32] = 4, [FIELD_F64] = 8};
+static const uint8_t field_bytes[] = {
+    [FIELD_U8] = 1, [FIELD_U16] = 2, [FIELD_U32] = 4, [FIELD_I32] = 4, [FIELD_F64] = 8};
 
 static const struct element_field *field_at(enum record_form form, size_t k)
 {
@@ -93,6 +96,7 @@ static inline void put_number(unsigned char *to, const unsigned char *from, enum
         store_number(to, u16, sizeof u16);
         break;
     case FIELD_U32:
+    case FIELD_I32:
         memcpy(&u32, from, sizeof u32);
         store_number(to, u32, sizeof u32);
         break;
@@ -119,6 +123,7 @@ static inline void get_number(const unsigned char *from, unsigned char *to, enum
         memcpy(to, &u16, sizeof u16);
         break;
     case FIELD_U32:
+    case FIELD_I32:
         u32 = (uint32_t)load_number(from, sizeof u32);
         memcpy(to, &u32, sizeof u32);
         break;
@@ -177,7 +182,8 @@ struct record_limits record_limits_of(const struct model *model)
     return (struct record_limits){.elements = model_elements(model),
                                   .bodies = c->n_bodies,
                                   .kinds = config_kinds(c),
-                                  .probes = c->n_probes};
+                                  .probes = c->n_probes,
+                                  .periodic = {c->periodic[0], c->periodic[1]}};
 }
 
 static uint32_t integer_of(const struct element_field *f, const struct element *e)
@@ -199,6 +205,16 @@ static int invalid_double(const struct element_field *f, const struct element *e
     return c;
 }
 
+/* Index of the first count of turns that cannot be; 2 where both can be. */
+static int invalid_image(const struct element *e, const struct record_limits *limits)
+{
+    int a = 0;
+    while (a < 2 && e->image[a] <= IMAGE_MOST && e->image[a] >= -IMAGE_MOST &&
+           (limits == NULL || limits->periodic[a] || e->image[a] == 0))
+        a++;
+    return a;
+}
+
 static bool is_valid_integer(enum field_rule rule, uint32_t value, const struct record_limits *limits)
 {
     if (rule == RULE_FLAGS)
@@ -215,8 +231,9 @@ static bool is_valid_integer(enum field_rule rule, uint32_t value, const struct 
 const struct element_field *record_fault(const struct element *e, const struct record_limits *limits)
 {
     for (const struct element_field *f = element_fields; f < element_fields + ELEMENT_FIELDS; f++)
-        if (f->type == FIELD_F64 ? invalid_double(f, e) < f->count
-                                 : !is_valid_integer(f->rule, integer_of(f, e), limits))
+        if (f->type == FIELD_F64   ? invalid_double(f, e) < f->count
+            : f->type == FIELD_I32 ? invalid_image(e, limits) < f->count
+                                   : !is_valid_integer(f->rule, integer_of(f, e), limits))
             return f;
     return NULL;
 }
@@ -236,7 +253,7 @@ void record_describe_fault(const struct element_field *fault, const struct eleme
     size_t n = RECORD_FAULT_TEXT;
     bool real = fault->type == FIELD_F64;
     double x = real ? doubles_of(fault, e)[invalid_double(fault, e)] : 0;
-    uint32_t value = real ? 0 : integer_of(fault, e);
+    uint32_t value = real || fault->rule == RULE_IMAGE ? 0 : integer_of(fault, e);
     if (!isfinite(x))
         (void)snprintf(text, n, "has a number that is not finite");
     else if (fault->rule == RULE_POSITIVE)
@@ -248,6 +265,12 @@ void record_describe_fault(const struct element_field *fault, const struct eleme
     else if (fault->rule == RULE_PROBES)
         (void)snprintf(text, n, "belongs to probe %d, counted from 0; the deck has %zu", highest_bit(value),
                        limits->probes);
+    else if (fault->rule == RULE_IMAGE)
+        (void)snprintf(text, n, "has image %" PRId32 " in %c, %s is expected",
+                       e->image[invalid_image(e, limits)], invalid_image(e, limits) == 0 ? 'x' : 'y',
+                       limits == NULL || limits->periodic[invalid_image(e, limits)]
+                           ? "at most 2^30 either way"
+                           : "0, because the domain is not periodic there,");
     else if (fault->rule == RULE_ID)
         (void)snprintf(text, n, "is none of the %zu elements that the deck makes", limits->elements);
     else

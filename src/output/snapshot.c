@@ -175,6 +175,17 @@ static bool has_strain(const struct snapshot *s)
     return s->config->output.strain;
 }
 
+static void get_image(const struct snapshot *s, size_t i, double out[3])
+{
+    out[0] = s->elements[i].image[0];
+    out[1] = s->elements[i].image[1];
+}
+
+static bool has_image(const struct snapshot *s)
+{
+    return s->config->periodic[0] || s->config->periodic[1];
+}
+
 static const struct field position_field = {"position",         "pos",        TYPE_F64, 3,
                                             {NULL, NULL, NULL}, get_position, NULL};
 
@@ -197,6 +208,7 @@ static const struct field fields[] = {
     {"damage", "damage", TYPE_F64, 1, {NULL, NULL, NULL}, get_damage, NULL},
     {"fragment", "fragment", TYPE_U32, 1, {NULL, NULL, NULL}, get_fragment, has_fragment},
     {"strain", NULL, TYPE_F64, 3, {"xx", "yy", "xy"}, get_strain, has_strain},
+    {"image", "image", TYPE_I32, 2, {"x", "y", NULL}, get_image, has_image},
 };
 
 enum { N_FIELDS = sizeof fields / sizeof fields[0] };
@@ -284,7 +296,7 @@ static void write_field(struct base64 *b, const struct field *f, const struct sn
         double value[3];
         f->get(s, i, value);
         for (int c = 0; c < f->components; c++)
-            base64_put(b, f->type == TYPE_F64 ? bits_of(value[c]) : (uint64_t)value[c],
+            base64_put(b, f->type == TYPE_F64 ? bits_of(value[c]) : (uint64_t)(int64_t)value[c],
                        type_info[f->type].bytes);
     }
     close_array(b);

@@ -32,6 +32,7 @@ uint64_t state_hash_element(const struct element *e)
     uint64_t h = mix_value(1, e->id);
     h = mix_value(h, (uint64_t)e->was << 48 | (uint64_t)e->bonds << 32 | e->grain);
     h = mix_value(h, (uint64_t)e->body << 32 | (uint64_t)e->kind << 16 | (uint64_t)e->flags << 8 | e->probes);
+    h = mix_value(h, (uint64_t)(uint32_t)e->image[0] << 32 | (uint32_t)e->image[1]);
     double fields[ELEMENT_DOUBLES];
     record_doubles(e, fields);
     for (size_t k = 0; k < ELEMENT_DOUBLES; k++)

@@ -40,6 +40,7 @@ static inline void fake_element(struct element *e, struct element_measure *m, si
         .p = 1e-3 / (double)(i + 7),
         .work = 1e-4 * (double)i,
         .strain = {1e-3 * (double)i, -1e-3, 2e-5 / (double)(i + 1)},
+        .image = {(int32_t)(i % 3) - 1, 0},
         .bonds = 6,
         .was = (uint16_t)(i % 2),
         .share = {0.5, 0.25 / (double)(i + 1)},

@@ -8,7 +8,8 @@
 
 static inline size_t record_field_bytes(const struct element_field *f)
 {
-    static const size_t bytes[] = {[FIELD_U8] = 1, [FIELD_U16] = 2, [FIELD_U32] = 4, [FIELD_F64] = 8};
+    static const size_t bytes[] = {
+        [FIELD_U8] = 1, [FIELD_U16] = 2, [FIELD_U32] = 4, [FIELD_I32] = 4, [FIELD_F64] = 8};
     return (size_t)f->count * bytes[f->type];
 }
 
@@ -39,6 +40,9 @@ static inline struct element record_sample(uint32_t id)
         for (int c = 0; c < f->count; c++, x += 1.0 / 64)
             if (f->type == FIELD_F64)
                 memcpy(at + (size_t)c * sizeof x, &x, sizeof x);
+        const int32_t turns[2] = {3, -5};
+        if (f->type == FIELD_I32)
+            memcpy(at, turns, sizeof turns);
         if (f->type == FIELD_U32)
             memcpy(at, &u32, sizeof u32);
         if (f->type == FIELD_U16)

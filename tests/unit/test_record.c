@@ -7,7 +7,8 @@
 #include "dm2/output/state_hash.h"
 #include "engine/particles.h"
 
-static const struct record_limits limits = {.elements = 1000, .bodies = 3, .kinds = 4, .probes = 2};
+static const struct record_limits limits = {
+    .elements = 1000, .bodies = 3, .kinds = 4, .probes = 2, .periodic = {true, true}};
 
 /* Each byte of struct element belongs to one field, except the padding at the end. */
 TEST(the_table_is_complete)
@@ -91,7 +92,7 @@ TEST(the_bytes_are_those_of_the_versions)
     static const struct {
         enum record_form form;
         uint32_t crc;
-    } want[] = {{RECORD_MIRROR, 0xbb70567f}, {RECORD_OWNED, 0x48ccc64e}, {RECORD_STATE, 0x1823fbd2}};
+    } want[] = {{RECORD_MIRROR, 0xbb70567f}, {RECORD_OWNED, 0x41149f2e}, {RECORD_STATE, 0xe9122192}};
     const struct element e = {.id = 0x01020304,
                               .grain = 0xa1b2c3d4,
                               .body = 0x1122,
@@ -110,6 +111,7 @@ TEST(the_bytes_are_those_of_the_versions)
                               .work = 3.5,
                               .strain = {0.5, -0.25, 1e-9},
                               .moved = -0.75,
+                              .image = {-2, 0x01020304},
                               .bonds = 0x778};
     struct bytes_writer w = {0};
     for (size_t k = 0; k < sizeof want / sizeof want[0]; k++) {
@@ -118,7 +120,7 @@ TEST(the_bytes_are_those_of_the_versions)
         CHECK_EQ_INT(crc32c(0, w.data, w.length), want[k].crc);
     }
     bytes_free(&w);
-    CHECK_EQ_INT(state_hash_element(&e), 0x718802948d845d71);
+    CHECK_EQ_INT(state_hash_element(&e), 0xc84d773f30a20c3e);
 }
 
 TEST(doubles_in_the_order_of_the_state_file)
@@ -152,7 +154,7 @@ static struct element through_arrays(const struct model *m)
 
 TEST(every_field_through_the_arrays)
 {
-    struct config config = {.gravity = {0, -1}};
+    struct config config = {.gravity = {0, -1}, .periodic = {true, false}};
     struct kind kinds[3] = {{.cp = 1, .over_cp = 1}, {.cp = 1, .over_cp = 1}, {.cp = 1, .over_cp = 1}};
     const struct model m = {.config = &config,
                             .kinds = kinds,
@@ -178,6 +180,7 @@ TEST(fields_that_no_physics_needs)
     want.p = want.work = want.moved = want.share[0] = want.share[1] = 0;
     want.strain[0] = want.strain[1] = want.strain[2] = 0;
     want.bonds = want.was = 0;
+    want.image[0] = want.image[1] = 0;
     const char *field = record_difference(&got, &want, false);
     CHECK_REPORT(field == NULL, "%s differs", field);
 }
@@ -236,6 +239,10 @@ TEST(values_without_limits)
     check_fault(&e, NULL, "share", "has share 7, 0 to 1 is expected");
     e.share[1] = -0.25;
     check_fault(&e, NULL, "share", "has share -0.25, 0 to 1 is expected");
+    e.image[1] = -IMAGE_MOST - 1;
+    e.share[1] = 0.5;
+    check_fault(&e, NULL, "image", "has image -1073741825 in y, at most 2^30 either way is expected");
+    e.image[1] = IMAGE_MOST;
     e.share[0] = 0;
     e.share[1] = 1;
     check_valid(&e, NULL);
@@ -270,6 +277,11 @@ TEST(indices_within_limits)
     check_fault(&e, &limits, "probes", "belongs to probe 2, counted from 0; the deck has 2");
     e.probes = 0x81;
     check_fault(&e, &limits, "probes", "belongs to probe 7, counted from 0; the deck has 2");
+    struct record_limits free_y = limits;
+    free_y.periodic[1] = false;
+    e = record_sample(1);
+    check_fault(&e, &free_y, "image",
+                "has image -5 in y, 0, because the domain is not periodic there, is expected");
     struct record_limits probes = limits;
     probes.probes = 8;
     check_valid(&e, &probes);

@@ -62,6 +62,8 @@ static void check_values(const struct vtp *vtp, const struct fake *f)
         CHECK_EQ_INT(values(vtp, "contacts", 1)[i], m->contacts);
         CHECK_EQ_INT(values(vtp, "bonds", 1)[i], e->bonds);
         CHECK_SAME_BITS(values(vtp, "damage", 1)[i], 1 - m->links / 6.0);
+        for (size_t c = 0; c < 2; c++)
+            CHECK_EQ_INT(values(vtp, "image", 2)[2 * i + c], e->image[c]);
     }
 }
 
@@ -138,7 +140,7 @@ TEST(arrays_on_demand)
     vtp_free(&vtp);
     CHECK_EQ_INT(snapshot_write_xyz(scratch_path("d.xyz"), &s, &err), DM2_OK);
     char *text = scratch_read("d.xyz", NULL);
-    CHECK_CONTAINS(text, ":fragment:I:1:strain_xx:R:1:strain_yy:R:1:strain_xy:R:1 Time=5");
+    CHECK_CONTAINS(text, ":fragment:I:1:strain_xx:R:1:strain_yy:R:1:strain_xy:R:1:image:I:2 Time=5");
     free(text);
     fake_free(&f);
 }
@@ -242,7 +244,7 @@ TEST(xyz_round_trip)
     CHECK_CONTAINS(
         text, "Properties=species:S:1:pos:R:3:id:I:1:kind:I:1:body:I:1:grain:I:1:radius:R:1:velo:R:3:"
               "angular_velocity:R:1:temperature:R:1:pressure:R:1:stress_xx:R:1:stress_yy:R:1:stress_xy:R:1:"
-              "links:I:1:contacts:I:1:bonds:I:1:damage:R:1 Time=5 Step=200\n");
+              "links:I:1:contacts:I:1:bonds:I:1:damage:R:1:image:I:2 Time=5 Step=200\n");
     const char *at = strchr(strchr(text, '\n') + 1, '\n');
     for (size_t i = 0; i < f.n; i++) {
         const struct element *e = &f.elements[i];
@@ -267,7 +269,9 @@ TEST(xyz_round_trip)
                                m->links,
                                m->contacts,
                                e->bonds,
-                               1 - m->links / 6.0};
+                               1 - m->links / 6.0,
+                               e->image[0],
+                               e->image[1]};
         char buffer[64];
         at = word(at, buffer, sizeof buffer, NULL);
         CHECK_STR(buffer, f.materials[e->kind].name);

@@ -77,8 +77,8 @@ TEST(bytes_are_canonical)
     fake_make(&f, 3, 2);
     write_fake(&f, "b.dm2");
     char *bytes = scratch_read("b.dm2", &n);
-    CHECK_EQ_INT(n, 76 + 146 * f.n + 25 * f.n_pairs + 4);
-    CHECK_EQ_INT(memcmp(bytes, "DM2STATE\4\0\0\0\1\2\3\377\5", 17), 0);
+    CHECK_EQ_INT(n, 76 + 154 * f.n + 25 * f.n_pairs + 4);
+    CHECK_EQ_INT(memcmp(bytes, "DM2STATE\5\0\0\0\1\2\3\377\5", 17), 0);
     CHECK_EQ_INT(memcmp(bytes + 52, "\310\0\0\0\0\0\0\0\6\0\0\0\0\0\0\0", 16), 0);
     write_fake(&f, "c.dm2");
     char *again = scratch_read("c.dm2", NULL);
@@ -139,7 +139,7 @@ TEST(foreign_files)
 {
     write_bytes("x.dm2", "<?xml version=\"1.0\"?>", 21);
     CHECK_CONTAINS(read_failure("x.dm2"), "is not a dm2 state file");
-    write_bytes("x.dm2", "DM2STATE\4\0\0\0", 12);
+    write_bytes("x.dm2", "DM2STATE\5\0\0\0", 12);
     CHECK_CONTAINS(read_failure("x.dm2"), "is cut short");
     char bytes[80] = "DM2STATE", of_version[40];
     bytes[8] = STATE_VERSION + 1;
@@ -232,7 +232,8 @@ TEST(invalid_content)
 /* Indices that a run lacks: state_read takes them, state_check refuses them. */
 static void check_indices(uint8_t probes, uint16_t was, const char *want)
 {
-    const struct record_limits limits = {.elements = 9, .bodies = 2, .kinds = 2, .probes = 2};
+    const struct record_limits limits = {
+        .elements = 9, .bodies = 2, .kinds = 2, .probes = 2, .periodic = {true, false}};
     struct fake f;
     struct state s;
     struct dm2_error err = {0};

@@ -6,7 +6,8 @@
 #include "dm2/cluster/wire.h"
 #include "cluster/state_merge.h"
 
-static const struct record_limits limits = {.elements = 1000, .bodies = 2, .kinds = 3, .probes = 6};
+static const struct record_limits limits = {
+    .elements = 1000, .bodies = 2, .kinds = 3, .probes = 6, .periodic = {true, true}};
 
 static struct element some_element(uint32_t id)
 {
@@ -26,6 +27,7 @@ static struct element some_element(uint32_t id)
                             .work = 3.5,
                             .strain = {0.5, -0.25, 1e-9},
                             .moved = -0.75,
+                            .image = {-1, 1 << 30},
                             .bonds = 6,
                             .was = 1,
                             .share = {0.25, 0.5}};
@@ -153,6 +155,9 @@ TEST(invalid_elements)
     e = some_element(1);
     e.radius = -1;
     check_refused(e, true);
+    e = some_element(1);
+    e.image[0] = IMAGE_MOST + 1;
+    check_refused(e, false);
     e = some_element(1);
     e.strain[2] = NAN;
     check_refused(e, false);
@@ -384,7 +389,8 @@ TEST(a_state_is_compiled_from_parts)
 {
     struct state_merge m;
     struct dm2_error err = {0};
-    const struct record_limits ten = {.elements = 10, .bodies = 2, .kinds = 3, .probes = 8};
+    const struct record_limits ten = {
+        .elements = 10, .bodies = 2, .kinds = 3, .probes = 8, .periodic = {true, true}};
     state_merge_open(&m, ten);
     for (int round = 0; round < 2; round++) {
         state_merge_clear(&m);

@@ -10,6 +10,10 @@ enum element_flag {
     ELEMENT_FIXED_MOTION = 1 /* the element's velocity is prescribed; forces do not move the element */
 };
 
+/* The largest number of times that an element may go round the domain; a run in which an element goes round
+ * more often ends. */
+enum { IMAGE_MOST = 1 << 30 };
+
 /* The state of one element: every value that the next step reads. */
 struct element {
     uint32_t id;    /* global, from 0, in the generator's order */
@@ -31,6 +35,7 @@ struct element {
     double work;      /* work of the body force or the prescribed motion since the start, g cm2/us2 */
     double strain[3]; /* xx, yy, xy, accumulated since the start; 0 in a deck that asks for no strain */
     double moved;     /* energy that changes of kind took out of bonds and spin since the start, g cm2/us2 */
+    int32_t image[2]; /* sizes of the domain that wrapping took off r since the start; 0 where not periodic */
     uint16_t bonds;   /* links at the start */
 };
 

@@ -13,7 +13,7 @@
 
 struct model;
 
-enum field_type { FIELD_U8, FIELD_U16, FIELD_U32, FIELD_F64 };
+enum field_type { FIELD_U8, FIELD_U16, FIELD_U32, FIELD_I32, FIELD_F64 };
 
 /* Valid values of a field. A FIELD_F64 is finite in any case. */
 enum field_rule {
@@ -24,7 +24,8 @@ enum field_rule {
     RULE_PROBES,   /* bits below record_limits.probes */
     RULE_ID,       /* below record_limits.elements */
     RULE_BODY,     /* below record_limits.bodies */
-    RULE_KIND      /* below record_limits.kinds */
+    RULE_KIND,     /* below record_limits.kinds */
+    RULE_IMAGE     /* at most IMAGE_MOST either way; 0 where record_limits.periodic is not set */
 };
 
 struct element_field {
@@ -36,7 +37,7 @@ struct element_field {
     bool owner; /* known to the owner alone, 0 in a mirror */
 };
 
-enum { ELEMENT_FIELDS = 19, ELEMENT_DOUBLES = 16 };
+enum { ELEMENT_FIELDS = 20, ELEMENT_DOUBLES = 16 };
 
 /* In the order of messages (docs/protocol.md). */
 extern const struct element_field element_fields[ELEMENT_FIELDS];
@@ -49,7 +50,7 @@ enum record_form {
     RECORD_STATE   /* all fields, in the order of the state file (dm2/output/state.h) */
 };
 
-enum { RECORD_MIRROR_BYTES = 104, RECORD_BYTES = RECORD_MIRROR_BYTES + 42 };
+enum { RECORD_MIRROR_BYTES = 104, RECORD_BYTES = RECORD_MIRROR_BYTES + 50 };
 
 /* Appends an element: RECORD_MIRROR_BYTES or RECORD_BYTES bytes. Without memory the writer fails. */
 void record_put(struct bytes_writer *w, enum record_form form, const struct element *e);
@@ -61,6 +62,7 @@ void record_get(struct bytes_reader *r, enum record_form form, struct element *o
 /* The numbers of elements, bodies, kinds and probes of a run, which bound the indices in an element. */
 struct record_limits {
     size_t elements, bodies, kinds, probes; /* probes: at most PROBE_MAX */
+    bool periodic[2];
 };
 
 /* The limits of a run. */

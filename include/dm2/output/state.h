@@ -1,7 +1,7 @@
 /* The state file, which is also a checkpoint and final.dm2: all that the next step reads, in the same bytes
  * from every program and any number of servers.
  *
- * Format, version 4, numbers little-endian, doubles as their IEEE 754 bits, -0 as 0:
+ * Format, version 5, numbers little-endian, doubles as their IEEE 754 bits, -0 as 0:
  *
  *   magic            8 bytes  "DM2STATE"
  *   version          u32
@@ -10,10 +10,10 @@
  *   step             u64
  *   n_elements       u64
  *   n_pairs          u64
- *   elements         ids ascending, 146 bytes each:
+ *   elements         ids ascending, 154 bytes each:
  *                    u32 id, grain; u16 body, kind; u8 flags, probes;
  *                    f64 radius, mass, r[2], v[2], w, heat, p, work, strain[3];
- *                    u16 bonds, was; f64 share[2], moved
+ *                    u16 bonds, was; f64 share[2], moved; i32 image[2]
  *   pairs            (id_a, id_b) ascending, 25 bytes each:
  *                    u32 id_a, id_b; u8 linked; f64 stretch, spring
  *   crc              u32      CRC-32C of all bytes before it
@@ -28,7 +28,7 @@
 #include "dm2/engine/element.h"
 #include "dm2/engine/record.h"
 
-enum { STATE_DIGEST_BYTES = 32, STATE_VERSION = 4 };
+enum { STATE_DIGEST_BYTES = 32, STATE_VERSION = 5 };
 
 struct state {
     uint8_t digest[STATE_DIGEST_BYTES];
