@@ -139,6 +139,12 @@ enum dm2_status state_merge_finish(struct state_merge *m, struct dm2_error *err)
     for (size_t k = 1; k < m->n_pairs; k++)
         if (sorted[k - 1].id_a == sorted[k].id_a && sorted[k - 1].id_b == sorted[k].id_b)
             return dm2_fail(err, DM2_PROTOCOL, "the pair %u-%u came twice", sorted[k].id_a, sorted[k].id_b);
+    for (size_t k = 0; k < m->n_pairs; k++) {
+        char text[RECORD_FAULT_TEXT];
+        if (!record_pair_reaches(&m->elements[sorted[k].id_a], &m->elements[sorted[k].id_b], &m->limits,
+                                 text))
+            return dm2_fail(err, DM2_PROTOCOL, "the pair %u-%u %s", sorted[k].id_a, sorted[k].id_b, text);
+    }
     return DM2_OK;
 }
 

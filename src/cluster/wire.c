@@ -60,9 +60,9 @@ void wire_get_pair(struct bytes_reader *r, const struct record_limits *limits, s
     out->id_a = bytes_get_u32(r);
     out->id_b = bytes_get_u32(r);
     out->linked = bytes_get_u8(r);
-    out->stretch = get_finite(r);
-    out->spring = get_finite(r);
-    fail_unless(r, out->id_a < out->id_b && out->id_b < limits->elements && out->linked <= 1);
+    out->stretch = bytes_get_f64(r);
+    out->spring = bytes_get_f64(r);
+    fail_unless(r, record_pair_valid(out, limits, NULL));
 }
 
 void wire_put_measured(struct bytes_writer *w, const struct element_measure *m)

@@ -71,6 +71,11 @@ static int choose_material(const struct body_config *b, uint32_t id)
     return b->mix_material[b->n_mix - 1];
 }
 
+int generate_material(const struct body_config *b, uint32_t id, uint32_t grain)
+{
+    return choose_material(b, b->structure == STRUCTURE_CRYSTAL ? id : grain);
+}
+
 static uint8_t find_probes(const struct config *c, const double r[2])
 {
     uint8_t mask = 0;
@@ -103,7 +108,7 @@ static enum dm2_status make_element(struct generation *g, uint64_t grain, const 
     if (g->id >= UINT32_MAX)
         return dm2_fail(err, DM2_DECK, "the deck makes more than 2^32 - 1 elements");
     uint32_t id = (uint32_t)g->id++;
-    int material = choose_material(b, b->structure == STRUCTURE_CRYSTAL ? id : (uint32_t)grain);
+    int material = generate_material(b, id, (uint32_t)grain);
     const struct kind *kind = &model->kinds[material];
     struct element e = {.id = id,
                         .grain = (uint32_t)grain,

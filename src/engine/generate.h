@@ -18,4 +18,7 @@ typedef enum dm2_status (*element_sink)(void *context, const struct element *ele
 enum dm2_status generate_elements(const struct model *model, element_sink sink, void *context,
                                   struct dm2_error *err);
 
+/* The material that the element of this id and grain starts with in its body. */
+int generate_material(const struct body_config *b, uint32_t id, uint32_t grain);
+
 #endif

@@ -18,11 +18,44 @@
 static const double second_shell = 0.6; /* in contact distances: sqrt(3) - 1, less a tenth or more */
 static const double pi = 0x1.921fb54442d18p1;
 
-static enum dm2_status count_element(void *context, const struct element *element, struct dm2_error *err)
+/* The model of which the elements are counted, and the room of its grain_first. */
+struct counting {
+    struct model *m;
+    size_t bodies, cap;
+};
+
+/* Notes the ids with which bodies and grains begin: those of this element too. */
+static enum dm2_status count_element(void *context, const struct element *e, struct dm2_error *err)
 {
-    (void)element;
-    (void)err;
-    ++*(size_t *)context;
+    struct counting *k = context;
+    struct model *m = k->m;
+    m->n_elements++;
+    while (k->bodies <= e->body)
+        m->body_first[k->bodies++] = e->id;
+    if (m->n_grains > e->grain)
+        return DM2_OK;
+    uint32_t *grown = mem_grown(m->grain_first, &k->cap, m->n_grains, (size_t)e->grain + 2, sizeof *grown);
+    if (grown == NULL)
+        return dm2_fail(err, DM2_MEMORY, "no memory for the numbers of %u grains", e->grain);
+    m->grain_first = grown;
+    while (m->n_grains <= e->grain)
+        m->grain_first[m->n_grains++] = e->id;
+    return DM2_OK;
+}
+
+/* Counts the elements, and fills body_first and grain_first. */
+static enum dm2_status count_elements(struct model *m, struct dm2_error *err)
+{
+    struct counting k = {.m = m};
+    m->body_first = mem_zalloc(m->config->n_bodies + 1, sizeof *m->body_first);
+    if (m->body_first == NULL)
+        return dm2_fail(err, DM2_MEMORY, "no memory for the tables of %zu bodies", m->config->n_bodies);
+    enum dm2_status status = generate_elements(m, count_element, &k, err);
+    if (status != DM2_OK)
+        return status;
+    m->body_first[m->config->n_bodies] = (uint32_t)m->n_elements;
+    if (m->n_grains > 0)
+        m->grain_first[m->n_grains] = (uint32_t)m->n_elements;
     return DM2_OK;
 }
 
@@ -114,7 +147,7 @@ static enum dm2_status build_tables(struct model *m, struct dm2_error *err)
                         "interaction of this deck links or meets (scope = all): leave it out");
     status = grid_build(c->origin, c->size, c->periodic, c->r_c + c->delta_r, &m->grid, err);
     if (status == DM2_OK)
-        status = generate_elements(m, count_element, &m->n_elements, err);
+        status = count_elements(m, err);
     if (status != DM2_OK)
         return status;
     m->margins = choose_margins(m);
@@ -161,6 +194,8 @@ void model_free(struct model *m)
         return;
     free(m->kinds);
     free(m->laws);
+    free(m->body_first);
+    free(m->grain_first);
     free(m);
 }
 

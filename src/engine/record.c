@@ -4,14 +4,9 @@
  * once, not once per number, because a rebuild packs every mirrored element. */
 #include "dm2/engine/record.h"
 
-#include <inttypes.h>
-#include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "dm2/base/number.h"
-#include "dm2/deck/config.h"
-#include "dm2/engine/model.h"
 
 #define ROW(field, unit, type, count, rule, owner)                                                           \
     {                                                                                                        \
@@ -19,25 +14,25 @@
     }
 const struct element_field element_fields[ELEMENT_FIELDS] = {
     ROW(id, "", FIELD_U32, 1, RULE_ID, false),
-    ROW(grain, "", FIELD_U32, 1, RULE_NONE, false),
+    ROW(grain, "", FIELD_U32, 1, RULE_GRAIN, false),
     ROW(body, "", FIELD_U16, 1, RULE_BODY, false),
     ROW(kind, "", FIELD_U16, 1, RULE_KIND, false),
     ROW(flags, "", FIELD_U8, 1, RULE_FLAGS, false),
     ROW(probes, "", FIELD_U8, 1, RULE_PROBES, false),
-    ROW(radius, "cm", FIELD_F64, 1, RULE_POSITIVE, false),
-    ROW(mass, "g", FIELD_F64, 1, RULE_POSITIVE, false),
-    ROW(r, "cm", FIELD_F64, 2, RULE_NONE, false),
-    ROW(v, "cm/us", FIELD_F64, 2, RULE_NONE, false),
-    ROW(w, "1/us", FIELD_F64, 1, RULE_NONE, false),
-    ROW(heat, "g cm2/us2", FIELD_F64, 1, RULE_NONE, false),
-    ROW(p, "Mbar", FIELD_F64, 1, RULE_NONE, false),
+    ROW(radius, "cm", FIELD_F64, 1, RULE_RADIUS, false),
+    ROW(mass, "g", FIELD_F64, 1, RULE_MASS, false),
+    ROW(r, "cm", FIELD_F64, 2, RULE_PLACE, false),
+    ROW(v, "cm/us", FIELD_F64, 2, RULE_SPEED, false),
+    ROW(w, "1/us", FIELD_F64, 1, RULE_SPIN, false),
+    ROW(heat, "g cm2/us2", FIELD_F64, 1, RULE_HEAT, false),
+    ROW(p, "Mbar", FIELD_F64, 1, RULE_PRESSURE, false),
     ROW(was, "", FIELD_U16, 1, RULE_KIND, false),
     ROW(share, "", FIELD_F64, 2, RULE_FRACTION, false),
-    ROW(work, "g cm2/us2", FIELD_F64, 1, RULE_NONE, true),
+    ROW(work, "g cm2/us2", FIELD_F64, 1, RULE_ENERGY, true),
     ROW(strain, "", FIELD_F64, 3, RULE_NONE, true),
-    ROW(moved, "g cm2/us2", FIELD_F64, 1, RULE_NONE, true),
+    ROW(moved, "g cm2/us2", FIELD_F64, 1, RULE_ENERGY, true),
     ROW(image, "", FIELD_I32, 2, RULE_IMAGE, true),
-    ROW(bonds, "", FIELD_U16, 1, RULE_NONE, true),
+    ROW(bonds, "", FIELD_U16, 1, RULE_BONDS, true),
 };
 #undef ROW
 
@@ -172,110 +167,4 @@ void record_doubles(const struct element *e, double out[ELEMENT_DOUBLES])
         for (int c = 0; c < f->count && f->type == FIELD_F64; c++)
             *out++ = doubles_of(f, e)[c];
     }
-}
-
-/* --- valid values --- */
-
-struct record_limits record_limits_of(const struct model *model)
-{
-    const struct config *c = model_config(model);
-    return (struct record_limits){.elements = model_elements(model),
-                                  .bodies = c->n_bodies,
-                                  .kinds = config_kinds(c),
-                                  .probes = c->n_probes,
-                                  .periodic = {c->periodic[0], c->periodic[1]}};
-}
-
-static uint32_t integer_of(const struct element_field *f, const struct element *e)
-{
-    const void *from = (const unsigned char *)e + f->offset;
-    return f->type == FIELD_U8    ? *(const uint8_t *)from
-           : f->type == FIELD_U16 ? *(const uint16_t *)from
-                                  : *(const uint32_t *)from;
-}
-
-/* Index of the first invalid double of a field; f->count where all are valid. */
-static int invalid_double(const struct element_field *f, const struct element *e)
-{
-    const double *x = doubles_of(f, e);
-    int c = 0;
-    while (c < f->count && isfinite(x[c]) && (f->rule != RULE_POSITIVE || x[c] > 0) &&
-           (f->rule != RULE_FRACTION || (x[c] >= 0 && x[c] <= 1)))
-        c++;
-    return c;
-}
-
-/* Index of the first count of turns that cannot be; 2 where both can be. */
-static int invalid_image(const struct element *e, const struct record_limits *limits)
-{
-    int a = 0;
-    while (a < 2 && e->image[a] <= IMAGE_MOST && e->image[a] >= -IMAGE_MOST &&
-           (limits == NULL || limits->periodic[a] || e->image[a] == 0))
-        a++;
-    return a;
-}
-
-static bool is_valid_integer(enum field_rule rule, uint32_t value, const struct record_limits *limits)
-{
-    if (rule == RULE_FLAGS)
-        return (value & ~(uint32_t)ELEMENT_FIXED_MOTION) == 0;
-    if (limits == NULL)
-        return true;
-    return rule == RULE_PROBES ? value >> limits->probes == 0
-           : rule == RULE_ID   ? value < limits->elements
-           : rule == RULE_BODY ? value < limits->bodies
-           : rule == RULE_KIND ? value < limits->kinds
-                               : true;
-}
-
-const struct element_field *record_fault(const struct element *e, const struct record_limits *limits)
-{
-    for (const struct element_field *f = element_fields; f < element_fields + ELEMENT_FIELDS; f++)
-        if (f->type == FIELD_F64   ? invalid_double(f, e) < f->count
-            : f->type == FIELD_I32 ? invalid_image(e, limits) < f->count
-                                   : !is_valid_integer(f->rule, integer_of(f, e), limits))
-            return f;
-    return NULL;
-}
-
-/* The highest bit that is set. */
-static int highest_bit(uint32_t bits)
-{
-    int bit = -1;
-    for (; bits != 0; bits >>= 1)
-        bit++;
-    return bit;
-}
-
-void record_describe_fault(const struct element_field *fault, const struct element *e,
-                           const struct record_limits *limits, char text[RECORD_FAULT_TEXT])
-{
-    size_t n = RECORD_FAULT_TEXT;
-    bool real = fault->type == FIELD_F64;
-    double x = real ? doubles_of(fault, e)[invalid_double(fault, e)] : 0;
-    uint32_t value = real || fault->rule == RULE_IMAGE ? 0 : integer_of(fault, e);
-    if (!isfinite(x))
-        (void)snprintf(text, n, "has a number that is not finite");
-    else if (fault->rule == RULE_POSITIVE)
-        (void)snprintf(text, n, "has a radius or a mass that is not positive");
-    else if (fault->rule == RULE_FRACTION)
-        (void)snprintf(text, n, "has %s %g, 0 to 1 is expected", fault->name, x);
-    else if (fault->rule == RULE_FLAGS)
-        (void)snprintf(text, n, "has a flag that this program does not know");
-    else if (fault->rule == RULE_PROBES)
-        (void)snprintf(text, n, "belongs to probe %d, counted from 0; the deck has %zu", highest_bit(value),
-                       limits->probes);
-    else if (fault->rule == RULE_IMAGE)
-        (void)snprintf(text, n, "has image %" PRId32 " in %c, %s is expected",
-                       e->image[invalid_image(e, limits)], invalid_image(e, limits) == 0 ? 'x' : 'y',
-                       limits == NULL || limits->periodic[invalid_image(e, limits)]
-                           ? "at most 2^30 either way"
-                           : "0, because the domain is not periodic there,");
-    else if (fault->rule == RULE_ID)
-        (void)snprintf(text, n, "is none of the %zu elements that the deck makes", limits->elements);
-    else
-        (void)snprintf(text, n,
-                       "is of a body or a kind that the deck does not have: %s %" PRIu32 ", counted "
-                       "from 0; the deck has %zu",
-                       fault->name, value, fault->rule == RULE_BODY ? limits->bodies : limits->kinds);
 }

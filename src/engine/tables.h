@@ -76,7 +76,9 @@ struct model {
     double dt_stable;    /* us */
     const char *dt_mode; /* the mode that limits dt_stable */
     size_t dt_kinds[2];  /* the kinds of the pair that limits dt_stable */
-    size_t n_elements;
+    size_t n_elements, n_grains;
+    uint32_t *body_first;  /* [n_bodies + 1] id of the first element of each body; last n_elements */
+    uint32_t *grain_first; /* [n_grains + 1] likewise of each grain */
     struct fixed_scales fixed;
     struct measure_scales scales;
 };

@@ -4,6 +4,7 @@
 
 #include <math.h>
 
+#include "kinds.h"
 #include "particles.h"
 #include "periodic.h"
 #include "phase.h"
@@ -72,6 +73,10 @@ static bool take_kind(const struct model *m, struct particles *p, size_t i, doub
     double was = floor(packed / 65536.0), kind = packed - 65536.0 * was, most = (double)m->n_kinds;
     if (!(was >= 0.0 && was < most && kind < most && kind == floor(kind)))
         return false;
+    const struct kind *before = &m->kinds[p->kind[i]], *from = &m->kinds[(size_t)was];
+    if (!kind_may_become(m, before->material, (size_t)kind) ||
+        !kind_may_become(m, from->material, (size_t)kind))
+        return false;
     phase_follow(m, p, i, (size_t)was, (size_t)kind);
     return true;
 }
@@ -85,6 +90,15 @@ static bool is_near(const struct grid *g, const struct period *period, const dou
     for (size_t a = 0; a < 2; a++)
         d[a] = period_nearest(now[a] - before[a], period->size[a], period->half[a]);
     return d[0] * d[0] + d[1] * d[1] <= 4.0 * edge * edge;
+}
+
+/* Is the place in the half-open domain along the periodic directions? */
+static bool is_in_domain(const struct grid *g, const double r[2])
+{
+    for (size_t a = 0; a < 2; a++)
+        if (g->periodic[a] && !(r[a] >= g->origin[a] && r[a] < g->origin[a] + g->size[a]))
+            return false;
+    return true;
 }
 
 /* Fails because of `what` in the update of the mirror in slot i, before its position changes. */
@@ -111,6 +125,8 @@ enum dm2_status subdomain_take_update(struct subdomain *sd, int src, const doubl
             return refuse_update(sd, i, src, "is not finite", DM2_NUMERIC, err);
         if (!is_near(&m->grid, &period, in, &p->r[2 * i]))
             return refuse_update(sd, i, src, "puts it further than a cell edge away", DM2_NUMERIC, err);
+        if (!is_in_domain(&m->grid, in))
+            return refuse_update(sd, i, src, "puts it outside the periodic domain", DM2_PROTOCOL, err);
         size_t k = 2;
         p->r[2 * i] = in[0];
         p->r[2 * i + 1] = in[1];
@@ -125,9 +141,14 @@ enum dm2_status subdomain_take_update(struct subdomain *sd, int src, const doubl
         if (m->has_pressure)
             p->p[i] = in[k++];
         if (m->has_kinds && !take_kind(m, p, i, in[k++]))
-            return refuse_update(sd, i, src, "names a kind that the deck does not have", DM2_PROTOCOL, err);
-        for (size_t a = 0; a < 2 && m->reaction.any; a++)
-            p->share[2 * i + a] = in[k++];
+            return refuse_update(sd, i, src, "names a kind that the element cannot become", DM2_PROTOCOL,
+                                 err);
+        for (size_t a = 0; a < 2 && m->reaction.any; a++, k++) {
+            if (!(in[k] >= 0.0 && in[k] <= p->share[2 * i + a]))
+                return refuse_update(sd, i, src, "has a share of a reactant that is negative or has grown",
+                                     DM2_PROTOCOL, err);
+            p->share[2 * i + a] = in[k];
+        }
         if (m->has_heat || m->has_kinds)
             particles_warm(p, m, i, 1.0 / p->mass[i]);
     }

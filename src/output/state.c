@@ -193,16 +193,18 @@ static enum dm2_status check_element(const char *path, const struct element *e,
     return dm2_fail(err, DM2_PROTOCOL, "%s: element %" PRIu32 " %s", path, e->id, text);
 }
 
-/* The fault of a pair, as the end of a sentence; NULL: there is none. */
+static enum dm2_status refuse_pair(const char *path, const struct pair_record *p, const char *text,
+                                   struct dm2_error *err)
+{
+    return dm2_fail(err, DM2_PROTOCOL, "%s: the pair (%" PRIu32 ", %" PRIu32 ") %s", path, p->id_a, p->id_b,
+                    text);
+}
+
+/* The fault of a pair among the pairs and elements of its state, as the end of a sentence; NULL: there is
+ * none. */
 static const char *pair_fault(const struct state *s, const struct pair_record *p,
                               const struct pair_record *before)
 {
-    if (!isfinite(p->stretch) || !isfinite(p->spring))
-        return "has a number that is not finite";
-    if (p->linked > 1)
-        return "is neither linked nor not linked";
-    if (p->id_a >= p->id_b)
-        return "does not name its lower element first";
     if (before != NULL && (p->id_a < before->id_a || (p->id_a == before->id_a && p->id_b <= before->id_b)))
         return "is out of order or there twice";
     if (element_find(s->elements, s->n_elements, p->id_a) == s->n_elements ||
@@ -231,10 +233,12 @@ static enum dm2_status get_records(struct bytes_reader *r, const char *path, str
         p->linked = bytes_get_u8(r);
         p->stretch = bytes_get_f64(r);
         p->spring = bytes_get_f64(r);
+        char text[RECORD_FAULT_TEXT];
+        if (!record_pair_valid(p, NULL, text))
+            return refuse_pair(path, p, text, err);
         const char *fault = pair_fault(s, p, i == 0 ? NULL : p - 1);
         if (fault != NULL)
-            return dm2_fail(err, DM2_PROTOCOL, "%s: the pair (%" PRIu32 ", %" PRIu32 ") %s", path, p->id_a,
-                            p->id_b, fault);
+            return refuse_pair(path, p, fault, err);
     }
     return DM2_OK;
 }
@@ -282,6 +286,14 @@ enum dm2_status state_check(const char *path, const struct state *s, const struc
     enum dm2_status status = DM2_OK;
     for (size_t k = 0; k < s->n_elements && status == DM2_OK; k++)
         status = check_element(path, &s->elements[k], limits, err);
+    for (size_t k = 0; k < s->n_pairs && status == DM2_OK; k++) {
+        const struct pair_record *p = &s->pairs[k];
+        const struct element *a = &s->elements[element_find(s->elements, s->n_elements, p->id_a)],
+                             *b = &s->elements[element_find(s->elements, s->n_elements, p->id_b)];
+        char text[RECORD_FAULT_TEXT];
+        if (!record_pair_valid(p, limits, text) || !record_pair_reaches(a, b, limits, text))
+            status = refuse_pair(path, p, text, err);
+    }
     return status;
 }
 

@@ -37,9 +37,11 @@ static inline struct element record_sample(uint32_t id)
         char *at = (char *)&e + f->offset;
         uint32_t u32 = f->rule == RULE_ID ? id : 0x01020304;
         uint16_t u16 = f->rule == RULE_NONE ? 0x0506 : f->rule == RULE_BODY ? 2 : 1;
-        for (int c = 0; c < f->count; c++, x += 1.0 / 64)
+        for (int c = 0; c < f->count; c++, x += 1.0 / 64) {
+            double value = f->rule == RULE_FRACTION ? 0.25 * x : x;
             if (f->type == FIELD_F64)
-                memcpy(at + (size_t)c * sizeof x, &x, sizeof x);
+                memcpy(at + (size_t)c * sizeof value, &value, sizeof value);
+        }
         const int32_t turns[2] = {3, -5};
         if (f->type == FIELD_I32)
             memcpy(at, turns, sizeof turns);

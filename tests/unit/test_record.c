@@ -216,8 +216,10 @@ TEST(every_double_is_finite)
             for (size_t n = 0; n < 3; n++) {
                 struct element e = record_sample(1);
                 memcpy((char *)&e + f->offset + (size_t)c * sizeof(double), &wrong[n], sizeof(double));
-                check_fault(&e, &limits, f->name, "has a number that is not finite");
-                check_fault(&e, NULL, f->name, "has a number that is not finite");
+                char text[RECORD_FAULT_TEXT];
+                snprintf(text, sizeof text, "has a number that is not finite: %s %g", f->name, wrong[n]);
+                check_fault(&e, &limits, f->name, text);
+                check_fault(&e, NULL, f->name, text);
             }
     }
 }
@@ -227,20 +229,22 @@ TEST(values_without_limits)
     struct element e = record_sample(1);
     check_valid(&e, NULL);
     e.radius = 0;
-    check_fault(&e, NULL, "radius", "has a radius or a mass that is not positive");
+    check_fault(&e, NULL, "radius", "has a radius or a mass that is not positive: radius 0");
     e = record_sample(1);
     e.mass = -1;
-    check_fault(&e, NULL, "mass", "has a radius or a mass that is not positive");
+    check_fault(&e, NULL, "mass", "has a radius or a mass that is not positive: mass -1");
     e = record_sample(1);
     e.flags = 2;
-    check_fault(&e, NULL, "flags", "has a flag that this program does not know");
+    check_fault(&e, NULL, "flags", "has a flag that this program does not know: flags 2, 0 or 1 is expected");
     e = record_sample(1);
     e.share[1] = 7;
     check_fault(&e, NULL, "share", "has share 7, 0 to 1 is expected");
     e.share[1] = -0.25;
     check_fault(&e, NULL, "share", "has share -0.25, 0 to 1 is expected");
+    e.share[0] = e.share[1] = 0.625;
+    check_fault(&e, NULL, "share", "has share 0.625 and 0.625, a sum of at most 1 is expected");
     e.image[1] = -IMAGE_MOST - 1;
-    e.share[1] = 0.5;
+    e.share[0] = e.share[1] = 0.5;
     check_fault(&e, NULL, "image", "has image -1073741825 in y, at most 2^30 either way is expected");
     e.image[1] = IMAGE_MOST;
     e.share[0] = 0;
@@ -280,8 +284,7 @@ TEST(indices_within_limits)
     struct record_limits free_y = limits;
     free_y.periodic[1] = false;
     e = record_sample(1);
-    check_fault(&e, &free_y, "image",
-                "has image -5 in y, 0, because the domain is not periodic there, is expected");
+    check_fault(&e, &free_y, "image", "has image -5 in y, 0 is expected: the domain is not periodic there");
     struct record_limits probes = limits;
     probes.probes = 8;
     check_valid(&e, &probes);

@@ -15,17 +15,26 @@ struct model;
 
 enum field_type { FIELD_U8, FIELD_U16, FIELD_U32, FIELD_I32, FIELD_F64 };
 
-/* Valid values of a field. A FIELD_F64 is finite in any case. */
+/* Valid values of a field. A FIELD_F64 is finite in any case. "Deck": where record_limits.model is given. */
 enum field_rule {
     RULE_NONE,
-    RULE_POSITIVE, /* > 0 */
-    RULE_FRACTION, /* 0 to 1 */
-    RULE_FLAGS,    /* bits of enum element_flag */
-    RULE_PROBES,   /* bits below record_limits.probes */
     RULE_ID,       /* below record_limits.elements */
-    RULE_BODY,     /* below record_limits.bodies */
-    RULE_KIND,     /* below record_limits.kinds */
-    RULE_IMAGE     /* at most IMAGE_MOST either way; 0 where record_limits.periodic is not set */
+    RULE_GRAIN,    /* deck: the grain of the id */
+    RULE_BODY,     /* below record_limits.bodies; deck: the body of the id */
+    RULE_KIND,     /* below record_limits.kinds; deck: a kind that the material of the id can become */
+    RULE_FLAGS,    /* bits of enum element_flag; deck: those of the body's motion */
+    RULE_PROBES,   /* bits below record_limits.probes */
+    RULE_RADIUS,   /* > 0; deck: the body's times the size of the kind */
+    RULE_MASS,     /* > 0; deck: that of the body's radius and the material */
+    RULE_PLACE,    /* deck: in the half-open domain along a periodic direction */
+    RULE_SPEED,    /* deck: less than a cell edge per step */
+    RULE_SPIN,     /* deck: its energy is one that the sums can hold */
+    RULE_HEAT,     /* deck: likewise, with a temperature from -1000 to 1e12 K */
+    RULE_PRESSURE, /* deck: likewise, times the volume at rest */
+    RULE_FRACTION, /* 0 to 1, the sum at most 1; deck: 0 of a reactant that the element did not start with */
+    RULE_ENERGY,   /* deck: one that the sums can hold */
+    RULE_IMAGE,    /* at most IMAGE_MOST either way; 0 where record_limits.periodic is not set */
+    RULE_BONDS     /* deck: as many as there is room for; 0 where nothing links */
 };
 
 struct element_field {
@@ -59,17 +68,19 @@ void record_put(struct bytes_writer *w, enum record_form form, const struct elem
  * and *out is all 0. The values are not checked: see record_fault. */
 void record_get(struct bytes_reader *r, enum record_form form, struct element *out);
 
-/* The numbers of elements, bodies, kinds and probes of a run, which bound the indices in an element. */
+/* The bounds of the records of a run: the numbers of elements, bodies, kinds and probes, and the deck. */
 struct record_limits {
     size_t elements, bodies, kinds, probes; /* probes: at most PROBE_MAX */
     bool periodic[2];
+    const struct model *model; /* borrowed; NULL: records are not compared with the deck */
 };
 
 /* The limits of a run. */
 struct record_limits record_limits_of(const struct model *model);
 
-/* The first field, in the order of the table, with an invalid value; NULL: there is none. Indices are
- * compared with *limits; limits NULL: any index is valid. */
+/* The first field, in the order of the table, with an invalid value; NULL: there is none. Every reader of
+ * element records asks this one function. Limits NULL: any index is valid, and nothing is compared with the
+ * deck. */
 const struct element_field *record_fault(const struct element *e, const struct record_limits *limits);
 
 enum { RECORD_FAULT_TEXT = 160 };
@@ -78,6 +89,17 @@ enum { RECORD_FAULT_TEXT = 160 };
  * element: "has share 7, 0 to 1 is expected". The limits are those that record_fault was given. */
 void record_describe_fault(const struct element_field *fault, const struct element *e,
                            const struct record_limits *limits, char text[RECORD_FAULT_TEXT]);
+
+/* Is the pair valid by itself: ids in order and below limits->elements, linked 0 or 1, stretch and spring
+ * finite and, by the deck, below r_c? Where not, and text is not NULL, *text is the end of a sentence that
+ * begins with the pair. */
+bool record_pair_valid(const struct pair_record *p, const struct record_limits *limits,
+                       char text[RECORD_FAULT_TEXT]);
+
+/* Did the two elements of a pair, of valid records, touch or stand within the reach of their links, now or a
+ * step before? True where limits->model is NULL. Where not, *text as for record_pair_valid. */
+bool record_pair_reaches(const struct element *a, const struct element *b, const struct record_limits *limits,
+                         char text[RECORD_FAULT_TEXT]);
 
 /* The ELEMENT_DOUBLES doubles of an element in the order of the state file. */
 void record_doubles(const struct element *e, double out[ELEMENT_DOUBLES]);

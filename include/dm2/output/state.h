@@ -51,12 +51,12 @@ enum dm2_status state_write(const char *path, const struct state_view *s, struct
  *                 absent elements, a number that is not finite, a mass or radius that is not positive, a
  *                 share outside 0 to 1, an unknown flag; or computed with another arithmetic than this
  *                 program's, which would not go on to the same bytes
- * The indices of bodies, kinds and probes are not checked: see state_check. */
+ * Nothing is compared with a deck: see state_check. */
 enum dm2_status state_read(const char *path, struct state *out, struct dm2_error *err);
 
-/* Compares the elements of a state, read from `path`, with the limits of a run. DM2_PROTOCOL: an element has
- * a body, a kind or a probe that the run lacks; the message names the file, the element, the value and what
- * the run has. */
+/* Compares the elements and pairs of a state, read from `path` by state_read, with the limits of a run.
+ * DM2_PROTOCOL: a record that the run cannot have; the message names the file, the element or pair, the
+ * field, the value and what is expected. */
 enum dm2_status state_check(const char *path, const struct state *s, const struct record_limits *limits,
                             struct dm2_error *err);
 
