@@ -136,7 +136,8 @@ static void check_in_domain(const struct deck_binding *b, size_t i)
         double low = c->origin[a], high = c->origin[a] + c->size[a];
         if (!isfinite(low) || !isfinite(high))
             return;
-        inside = inside && box[a] >= low && box[a + 2] <= high;
+        double slack = fmax(0.0, SITE_TOLERANCE * c->bodies[i].spacing); /* 0: the spacing is NaN */
+        inside = inside && box[a] >= low - slack && box[a + 2] <= high + slack;
         outside = outside || box[a] >= high || box[a + 2] <= low;
     }
     struct deck_place place = binding_place(b, b->blocks[BLOCK_BODY][i], "shape", 0);
@@ -171,7 +172,7 @@ static bool void_makes_room(const struct config *c, size_t i, size_t j)
     for (size_t k = 0; k < c->n_voids; k++) {
         int body = c->voids[k].body;
         if (body >= 0 && ((size_t)body == i || (size_t)body == j) &&
-            shape_overlaps(&c->voids[k].shape, &c->bodies[(size_t)body == i ? j : i].shape))
+            shape_image_overlaps(&c->voids[k].shape, c, &c->bodies[(size_t)body == i ? j : i].shape))
             return true;
     }
     return false;
@@ -218,22 +219,22 @@ static void check_probes(const struct deck_binding *b, const struct body_box *bo
             continue;
         }
         for (size_t j = 0; j < n && !meets; j++)
-            meets = shape_overlaps(&region, &b->config->bodies[boxes[j].body].shape);
+            meets = shape_image_overlaps(&region, b->config, &b->config->bodies[boxes[j].body].shape);
         if (!meets)
             findings_error(b->findings, place, "the region of the probe '%s' holds no body",
                            b->config->probes[i].name);
     }
 }
 
-/* True if the shape overlaps body `body`, or any body where `body` is -1. Also true where a shape of a body
- * did not read. */
+/* True if the shape or an image of the shape overlaps body `body`, or any body where `body` is -1. Also true
+ * where a shape of a body did not read. */
 static bool meets_a_body(const struct deck_binding *b, const struct shape_config *shape, int body)
 {
     const struct config *c = b->config;
     for (size_t i = 0; i < c->n_bodies; i++) {
         if (body >= 0 && (size_t)body != i)
             continue;
-        if (!body_shape_known(b, i) || shape_overlaps(shape, &c->bodies[i].shape))
+        if (!body_shape_known(b, i) || shape_image_overlaps(shape, c, &c->bodies[i].shape))
             return true;
     }
     return c->n_bodies == 0;

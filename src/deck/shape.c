@@ -1,8 +1,9 @@
 /* A rectangle is handled as a polygon of four vertices, except in shape_contains and in the overlap of two
- * rectangles. Comparisons have no tolerance, because the shapes of a deck either clearly overlap or share a
- * border exactly. */
+ * rectangles. Comparisons of shapes have no tolerance, because the shapes of a deck either clearly overlap or
+ * share a border exactly; sites of lattices, whose coordinates are rounded, have one. */
 #include "dm2/deck/shape.h"
 
+#include <float.h>
 #include <math.h>
 #include <stddef.h>
 
@@ -52,6 +53,21 @@ bool shape_contains(const struct shape_config *s, double x, double y)
     return inside;
 }
 
+void shape_site_shift(double spacing, double shift[2])
+{
+    shift[0] = SITE_TOLERANCE * spacing;
+    shift[1] = 0.618 * shift[0]; /* along no border of a usual shape */
+}
+
+bool shape_contains_site(const struct shape_config *s, const double r[2], double spacing)
+{
+    double shift[2];
+    shape_site_shift(spacing, shift);
+    if (s->kind == SHAPE_DISC)
+        return square(r[0] - s->centre[0]) + square(r[1] - s->centre[1]) <= square(s->radius + shift[0]);
+    return shape_contains(s, r[0] + shift[0], r[1] + shift[1]);
+}
+
 void shape_box(const struct shape_config *s, double box[4])
 {
     if (s->kind == SHAPE_DISC) {
@@ -69,6 +85,37 @@ void shape_box(const struct shape_config *s, double box[4])
             box[i + 2] = fmax(box[i + 2], o.at[v][i]);
         }
     }
+}
+
+struct image_range shape_images(const struct config *c, const double low[2], const double high[2])
+{
+    struct image_range range = {{0, 0}, {0, 0}};
+    for (int a = 0; a < 2; a++) {
+        double first = ceil(low[a] / c->size[a] - 1e-6), last = floor(high[a] / c->size[a] + 1e-6);
+        if (!c->periodic[a] || !(fabs(first) < 1e15) || !(fabs(last) < 1e15))
+            continue;
+        range.first[a] = (int64_t)first;
+        range.last[a] = (int64_t)fmin(last, first + IMAGE_MAX - 1);
+    }
+    return range;
+}
+
+bool shape_contains_image(const struct shape_config *s, const struct config *c, const double r[2],
+                          double spacing)
+{
+    double box[4];
+    shape_box(s, box);
+    struct image_range k =
+        shape_images(c, (double[]){box[0] - r[0], box[1] - r[1]}, (double[]){box[2] - r[0], box[3] - r[1]});
+    for (int64_t v = k.first[1]; v <= k.last[1]; v++) {
+        for (int64_t u = k.first[0]; u <= k.last[0]; u++) {
+            double at[2] = {u == 0 ? r[0] : r[0] + (double)u * c->size[0],
+                            v == 0 ? r[1] : r[1] + (double)v * c->size[1]};
+            if (shape_contains_site(s, at, spacing))
+                return true;
+        }
+    }
+    return false;
 }
 
 double shape_area(const struct shape_config *s)
@@ -154,8 +201,11 @@ bool shape_overlaps(const struct shape_config *a, const struct shape_config *b)
     double p[4], q[4];
     shape_box(a, p);
     shape_box(b, q);
-    if (!(p[0] < q[2] && q[0] < p[2] && p[1] < q[3] && q[1] < p[3]))
-        return false;
+    for (int i = 0; i < 2; i++) { /* a shared border, written as 30*0.06 and as 1.8, is rounded differently */
+        double slack = 4 * DBL_EPSILON * (fabs(p[i]) + fabs(p[i + 2]));
+        if (!(p[i] + slack < q[i + 2] && q[i] + slack < p[i + 2]))
+            return false;
+    }
     if (a->kind == SHAPE_RECTANGLE && b->kind == SHAPE_RECTANGLE)
         return true;
     if (a->kind == SHAPE_DISC && b->kind == SHAPE_DISC)
@@ -166,6 +216,40 @@ bool shape_overlaps(const struct shape_config *a, const struct shape_config *b)
     if (b->kind == SHAPE_DISC)
         return disc_overlaps(b, a);
     return polygon_overlaps(a, b);
+}
+
+static struct shape_config move_shape(const struct shape_config *s, double dx, double dy)
+{
+    struct shape_config moved = *s;
+    for (int i = 0; i < 2; i++) {
+        double by = i == 0 ? dx : dy;
+        moved.box[i] += by;
+        moved.box[i + 2] += by;
+        moved.centre[i] += by;
+        for (size_t v = 0; v < s->n_vertices; v++)
+            moved.vertex[v][i] += by;
+    }
+    return moved;
+}
+
+bool shape_image_overlaps(const struct shape_config *a, const struct config *c, const struct shape_config *b)
+{
+    double p[4], q[4];
+    if (shape_overlaps(a, b))
+        return true;
+    shape_box(a, p);
+    shape_box(b, q);
+    struct image_range k =
+        shape_images(c, (double[]){q[0] - p[2], q[1] - p[3]}, (double[]){q[2] - p[0], q[3] - p[1]});
+    for (int64_t v = k.first[1]; v <= k.last[1]; v++) {
+        for (int64_t u = k.first[0]; u <= k.last[0]; u++) {
+            struct shape_config image =
+                move_shape(a, u == 0 ? 0.0 : (double)u * c->size[0], v == 0 ? 0.0 : (double)v * c->size[1]);
+            if (shape_overlaps(&image, b))
+                return true;
+        }
+    }
+    return false;
 }
 
 bool shape_crosses_itself(const struct shape_config *s)

@@ -1,9 +1,9 @@
 /* A body is a shape filled with the sites of a lattice; site (row j, column i) lies at
  *   hexagonal: origin + (i + (j odd ? 1/2 : 0)) d along the row + j row_spacing across it,
  *   square:    origin + i d + j row_spacing,
- * turned about the origin by the body's angle. A site holds an element where its centre is in the shape and
- * in no void. A polycrystal or a powder is filled grain by grain; each grain has its own angle and origin
- * (grains.h). */
+ * turned about the origin by the body's angle. A site holds an element where the site is in the shape and in
+ * no void; voids and regions of probes go round the periodic sides. A polycrystal or a powder is filled grain
+ * by grain; each grain has its own angle and origin (grains.h). */
 #include "generate.h"
 
 #include <math.h>
@@ -76,12 +76,13 @@ int generate_material(const struct body_config *b, uint32_t id, uint32_t grain)
     return choose_material(b, b->structure == STRUCTURE_CRYSTAL ? id : grain);
 }
 
-static uint8_t find_probes(const struct config *c, const double r[2])
+static uint8_t find_probes(const struct config *c, const double r[2], double spacing)
 {
     uint8_t mask = 0;
     for (size_t p = 0; p < c->n_probes; p++) {
         const double *box = c->probes[p].box;
-        if (r[0] >= box[0] && r[0] < box[2] && r[1] >= box[1] && r[1] < box[3])
+        struct shape_config region = {.kind = SHAPE_RECTANGLE, .box = {box[0], box[1], box[2], box[3]}};
+        if (shape_contains_image(&region, c, r, spacing))
             mask = (uint8_t)(mask | 1u << p);
     }
     return mask;
@@ -128,7 +129,7 @@ static enum dm2_status make_element(struct generation *g, uint64_t grain, const 
         e.heat = e.mass * kind->cp * (b->temperature - kind->t0);
     for (int a = 0; a < 2 && model->reaction.any; a++)
         e.share[a] = material == model->reaction.reactant[a] ? 1.0 : 0.0;
-    e.probes = find_probes(c, e.r);
+    e.probes = find_probes(c, e.r, b->spacing);
     return g->sink(g->context, &e, err);
 }
 
@@ -136,11 +137,12 @@ static enum dm2_status make_element(struct generation *g, uint64_t grain, const 
 static bool is_in_body(const struct generation *g, const double r[2])
 {
     const struct config *c = g->model->config;
-    if (!shape_contains(&c->bodies[g->body].shape, r[0], r[1]))
+    double spacing = c->bodies[g->body].spacing;
+    if (!shape_contains_site(&c->bodies[g->body].shape, r, spacing))
         return false;
     for (size_t k = 0; g->has_voids && k < c->n_voids; k++) {
         const struct void_config *v = &c->voids[k];
-        if ((v->body < 0 || (size_t)v->body == g->body) && shape_contains(&v->shape, r[0], r[1]))
+        if ((v->body < 0 || (size_t)v->body == g->body) && shape_contains_image(&v->shape, c, r, spacing))
             return false;
     }
     return true;

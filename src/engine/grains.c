@@ -271,8 +271,9 @@ static void find_wraps(const struct config *c, const struct body_config *body, s
 {
     for (int a = 0; a < 2; a++) {
         const double *box = body->shape.box;
-        set->wraps[a] = c->periodic[a] && body->shape.kind == SHAPE_RECTANGLE && box[a] == c->origin[a] &&
-                        box[a + 2] == c->origin[a] + c->size[a];
+        double off = fmax(fabs(box[a] - c->origin[a]), fabs(box[a + 2] - (c->origin[a] + c->size[a])));
+        set->wraps[a] =
+            c->periodic[a] && body->shape.kind == SHAPE_RECTANGLE && off <= SITE_TOLERANCE * body->spacing;
         set->low[a] = c->origin[a];
         set->period[a] = c->size[a];
     }
