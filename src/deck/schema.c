@@ -237,7 +237,7 @@ static const struct deck_key body_keys[] = {
      .meaning = "diameters of powder grains are uniform within grain_size (1 plus or minus this)"},
     {"solid_fraction", VALUE_REAL, 1, PLAIN, .low = 0, .low_open = true, .high = 1,
      .initial = "none: powders need it", FIELD(solid_fraction),
-     .meaning = "area of a powder's grains in that of the shape"},
+     .meaning = "mass of a powder over the mass of a full lattice in the shape"},
     {"missing_links", VALUE_REAL, 1, PLAIN, .low = 0, .high = 1, .initial = "0", FIELD(missing_links),
      .meaning = "this fraction of the body's links, at random, is not there at the start"},
     {"lattice", VALUE_CHOICE, 1, PLAIN, ANY, .choices = "hexagonal|square", .initial = "hexagonal",

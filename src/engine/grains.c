@@ -15,6 +15,7 @@
 #include "dm2/base/random.h"
 #include "dm2/base/real.h"
 #include "dm2/deck/shape.h"
+#include "grain_sizes.h"
 #include "packing.h"
 #include "point_bins.h"
 
@@ -252,7 +253,7 @@ static int find_outline(const struct body_config *body, uint32_t id, struct grai
     }
     if (body->structure == STRUCTURE_DISCS)
         return 0;
-    (void)packing_corners(body, id, &corners);
+    grain_sizes_corners(body, id, &corners);
     for (size_t k = 0; k < corners.n; k++) {
         const double *p = corners.x[k], *q = corners.x[(k + 1) % corners.n];
         struct grain_side side = {.normal = {q[1] - p[1], p[0] - q[0]}, .neighbour = GRAIN_NO_NEIGHBOUR};
@@ -279,7 +280,7 @@ static void find_wraps(const struct config *c, const struct body_config *body, s
     }
 }
 
-static void turn_lattice(const struct body_config *body, uint32_t id, struct grain *g)
+void grain_turn(const struct body_config *body, uint32_t id, struct grain *g)
 {
     double symmetry = body->lattice == LATTICE_HEXAGONAL ? pi / 3.0 : pi / 2.0;
     double angle = symmetry * random_uniform(body->seed, id, RANDOM_GRAIN_ANGLE);
@@ -296,6 +297,8 @@ enum dm2_status grains_build(const struct config *config, size_t index, uint32_t
     find_wraps(config, body, set);
     if (body->structure == STRUCTURE_POLYCRYSTAL) {
         failed = build_cells(body, first_grain, apart, set);
+        for (size_t g = 0; g < set->n && failed == 0; g++)
+            grain_turn(body, first_grain + (uint32_t)g, &set->grain[g]);
     } else {
         enum dm2_status status = packing_build(body, first_grain, set, err);
         if (status != DM2_OK)
@@ -305,8 +308,6 @@ enum dm2_status grains_build(const struct config *config, size_t index, uint32_t
     }
     if (failed != 0)
         return dm2_fail(err, DM2_MEMORY, "no memory for the grains of the body '%s'", body->name);
-    for (size_t g = 0; g < set->n; g++)
-        turn_lattice(body, first_grain + (uint32_t)g, &set->grain[g]);
     return DM2_OK;
 }
 

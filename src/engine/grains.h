@@ -31,6 +31,7 @@ struct grain_side {
 struct grain {
     double centre[2]; /* also a site of the grain's lattice, cm */
     double radius;    /* of the disc, or of the circle through a polygon's corners, cm; infinite for a cell */
+    double reach;     /* of a powder: radius of the circle about the centre that holds all elements, cm */
     double box[4];    /* of the outline: x0 y0 x1 y1, cm */
     double cosine, sine;        /* of the orientation */
     size_t first_side, n_sides; /* sides first_side .. first_side + n_sides of the set; 0 sides: a disc */
@@ -48,10 +49,13 @@ struct grain_set {
 /* Makes the grains of bodies[body] of the config, a polycrystal or a powder; first_grain is the global number
  * of the body's grain 0. A grain also gets a side for each neighbour within `apart` cm, the least distance
  * that the caller keeps between elements of two grains. DM2_DECK where a powder cannot be packed (the message
- * has the overlap that is left); DM2_MEMORY. Free with grains_free, also after a failure. */
+ * has the fraction that can); DM2_MEMORY. Free with grains_free, also after a failure. */
 enum dm2_status grains_build(const struct config *config, size_t body, uint32_t first_grain, double apart,
                              const struct pulse *pulse, struct grain_set *out, struct dm2_error *err);
 void grains_free(struct grain_set *set);
+
+/* Sets the random orientation of grain `id` (a global number) of the body. */
+void grain_turn(const struct body_config *body, uint32_t id, struct grain *g);
 
 /* Is x inside grain g by more than `margin`, cm? */
 bool grain_holds(const struct grain_set *set, const struct grain *g, const double x[2], double margin);

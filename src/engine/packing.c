@@ -1,9 +1,9 @@
 /* Discs start at random places and overlap. Each sweep pushes both discs of every overlapping pair apart by
  * half the overlap, and every disc into the container, until no two discs overlap. After 1000 sweeps an
  * overlap of 1e-5 grain sizes is accepted, because large dense packings reach that overlap and hardly less.
- * The solid fraction reaches about 0.8 (the random close packing of discs is 0.82 to 0.84). Polygons have 5
- * to 8 corners and are inscribed in such discs. Across periodic sides that the body spans, overlaps are those
- * of the nearest images. */
+ * The discs take up to some 0.83 of the area (the random close packing of discs is 0.82 to 0.84). Polygons
+ * are inscribed in such discs. Across periodic sides that the body spans, overlaps are those of the nearest
+ * images. */
 #include "packing.h"
 
 #include <math.h>
@@ -13,6 +13,7 @@
 #include "dm2/base/random.h"
 #include "dm2/base/real.h"
 #include "dm2/deck/shape.h"
+#include "grain_sizes.h"
 #include "point_bins.h"
 
 static const double pi = 0x1.921fb54442d18p1;
@@ -55,7 +56,7 @@ static double keep_inside(const struct body_config *body, const struct grain_set
 static double push_apart(struct grain_set *set, size_t i, size_t j, double slack, uint64_t seed)
 {
     struct grain *p = &set->grain[i], *q = &set->grain[j];
-    double d[2], touch = p->radius + q->radius, wanted = touch * (1.0 + slack);
+    double d[2], touch = p->reach + q->reach, wanted = touch * (1.0 + slack);
     for (int a = 0; a < 2; a++) {
         d[a] = p->centre[a] - q->centre[a];
         if (set->wraps[a])
@@ -122,67 +123,10 @@ static double sweep_discs(const struct body_config *body, struct grain_set *set,
         }
     }
     for (size_t g = 0; g < set->n; g++) {
-        double out = keep_inside(body, set, set->grain[g].centre, set->grain[g].radius);
+        double out = keep_inside(body, set, set->grain[g].centre, set->grain[g].reach);
         worst = out > worst ? out : worst;
     }
     return worst;
-}
-
-/* The number of corners of a polygon grain, 5 to 8. */
-static int count_corners(const struct body_config *body, uint32_t grain)
-{
-    return 5 + (int)floor(4.0 * random_uniform(body->seed, grain, RANDOM_GRAIN_CORNERS));
-}
-
-double packing_corners(const struct body_config *body, uint32_t grain, struct polygon *out)
-{
-    int n = count_corners(body, grain);
-    double area = 0.0;
-    for (int k = 0; k < n; k++) {
-        double u = random_uniform(body->seed, (uint64_t)grain * 16 + (uint64_t)k, RANDOM_GRAIN_CORNER);
-        double angle = 2.0 * pi / n * (k + 0.6 * u);
-        out->x[k][0] = real_cos(angle);
-        out->x[k][1] = real_sin(angle);
-    }
-    out->n = (size_t)n;
-    for (int k = 0; k < n; k++) {
-        const double *p = out->x[k], *q = out->x[(k + 1) % n];
-        area += 0.5 * (p[0] * q[1] - q[0] * p[1]);
-    }
-    return area;
-}
-
-/* The area of a grain over the square of its radius. */
-static double relative_area(const struct body_config *body, uint32_t grain)
-{
-    struct polygon corners;
-    return body->structure == STRUCTURE_POLYGONS ? packing_corners(body, grain, &corners) : pi;
-}
-
-/* Chooses radii with the deck's mean and spread, and scales them slightly so that the solid fraction is
- * exact. */
-static int choose_radii(const struct body_config *body, uint32_t first, struct grain_set *set)
-{
-    double want = body->solid_fraction * shape_area(&body->shape), mean = 0.0, sum = 0.0;
-    for (uint32_t g = 0; g < 64; g++)
-        mean += relative_area(body, first + g) / 64.0;
-    double spread2 = body->grain_spread * body->grain_spread / 3.0; /* of a uniform distribution */
-    double n = rint(want / (mean * 0.25 * (body->grain_size * body->grain_size) * (1.0 + spread2)));
-    set->n = n > 1.0 ? (size_t)n : 1;
-    set->grain = mem_zalloc(set->n, sizeof *set->grain);
-    if (set->grain == NULL)
-        return -1;
-    for (size_t g = 0; g < set->n; g++) {
-        uint32_t id = first + (uint32_t)g;
-        double u = 2.0 * random_uniform(body->seed, id, RANDOM_GRAIN_SIZE) - 1.0;
-        double radius = 0.5 * body->grain_size * (1.0 + body->grain_spread * u);
-        set->grain[g].radius = radius;
-        sum += relative_area(body, id) * (radius * radius);
-    }
-    double scale = sqrt(want / sum);
-    for (size_t g = 0; g < set->n; g++)
-        set->grain[g].radius *= scale;
-    return 0;
 }
 
 enum dm2_status packing_build(const struct body_config *body, uint32_t first, struct grain_set *set,
@@ -191,11 +135,12 @@ enum dm2_status packing_build(const struct body_config *body, uint32_t first, st
     double box[4], largest = 0.0, worst = INFINITY;
     struct point_bins bins = {0};
     shape_box(&body->shape, box);
-    if (choose_radii(body, first, set) != 0)
-        return dm2_fail(err, DM2_MEMORY, "no memory for the grains of the body '%s'", body->name);
+    enum dm2_status status = grain_sizes_choose(body, first, set, err);
+    if (status != DM2_OK)
+        return status;
     for (size_t g = 0; g < set->n; g++) {
         struct grain *p = &set->grain[g];
-        largest = p->radius > largest ? p->radius : largest;
+        largest = p->reach > largest ? p->reach : largest;
         for (int a = 0; a < 2; a++)
             p->centre[a] =
                 box[a] + (box[a + 2] - box[a]) *
@@ -218,7 +163,10 @@ enum dm2_status packing_build(const struct body_config *body, uint32_t first, st
         return config_fail(
             body->packing_place, err, DM2_DECK,
             "the powder of the body '%s' cannot be packed to a solid fraction of %g: after %d sweeps grains "
-            "still overlap by %.2g of their size; discs reach about 0.8, polygons about 0.6: choose less",
-            body->name, body->solid_fraction, most, worst / body->grain_size);
+            "still overlap by %.2g of their size; grains of this size reach about %.2f: choose less, or "
+            "larger "
+            "grains",
+            body->name, body->solid_fraction, most, worst / body->grain_size,
+            grain_sizes_reachable(body, first, set));
     return DM2_OK;
 }

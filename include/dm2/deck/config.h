@@ -118,7 +118,7 @@ struct body_config {
     enum structure_kind structure; /* one crystal, a polycrystal, a powder of discs or of polygons */
     double grain_size;             /* mean diameter of grains, cm; NaN for a crystal */
     double grain_spread;           /* of a powder: diameters are uniform in grain_size (1 +- spread) */
-    double solid_fraction;         /* of a powder: area of the grains in that of the shape; NaN otherwise */
+    double solid_fraction;         /* of a powder: mass over that of a full lattice; NaN otherwise */
     char *packing_place;  /* place of `solid_fraction` in the deck, for config_fail; NULL: no powder, or
                              unknown */
     double missing_links; /* fraction of the body's own initial links that are missing */
