@@ -155,8 +155,10 @@ static enum dm2_status take_step(struct sequence *s, struct dm2_error *err)
         status = write_profiles(s, err);
     if (status == DM2_OK)
         status = subdomain_move(s->sd, &dmax, schedule_limit(c, n) ? &measures : NULL, err);
-    if (status == DM2_OK && n == 0)
+    if (status == DM2_OK && n == 0) { /* the history has a row of step 0 */
+        run_print_overlap(s->options, s->run, &measures.overlap);
         status = model_check_start(s->run->model, &measures, err);
+    }
     if (status == DM2_OK && survey)
         subdomain_survey(s->sd, &spread);
     if (status == DM2_OK && rebuild_plan_step(&s->plan, dmax, survey ? &spread : NULL))
@@ -187,6 +189,8 @@ static enum dm2_status finish_run(struct sequence *s, struct dm2_error *err)
         status = write_profiles(s, err);
     if (status == DM2_OK)
         status = subdomain_measure_last(s->sd, &measures, err);
+    if (status == DM2_OK && c->steps == 0)
+        run_print_overlap(s->options, s->run, &measures.overlap);
     if (status == DM2_OK && schedule_history(c, c->steps))
         status = write_row(s, c->steps, &measures, err);
     return status;

@@ -309,6 +309,13 @@ void run_print_restart(const struct run_options *o, const struct results *result
     (void)fputc('\n', stderr);
 }
 
+void run_print_overlap(const struct run_options *o, const struct run *run, const struct overlap *overlap)
+{
+    char line[OVERLAP_LINE];
+    if (!o->quiet && overlap_describe(overlap, &run->config, line))
+        (void)fprintf(stderr, "%s: %s\n", o->program, line);
+}
+
 /* What --check finds out about one rank. */
 struct rank_size {
     size_t owned, mirrored, bytes;
@@ -421,6 +428,7 @@ enum dm2_status run_print_check(FILE *to, const struct run_options *o, const str
     if (status == DM2_OK) {
         print_run(to, o, run, &start);
         status = print_ranks(to, d, size, server_names, err);
+        run_print_overlap(o, run, &start.overlap);
     }
     free(size);
     return status;

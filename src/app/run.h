@@ -82,6 +82,10 @@ void run_print_restart(const struct run_options *o, const struct results *result
  * of a run; nothing with --quiet. */
 void run_print_verdict(const struct run_options *o, const struct results_verdict *verdict);
 
+/* Prints the warning about elements that start pressed into each other, if there are any, on standard error;
+ * nothing with --quiet. */
+void run_print_overlap(const struct run_options *o, const struct run *run, const struct overlap *overlap);
+
 /* Prints the output of --check: elements, cells, time step, each subdomain with its elements and
  * interface, memory. Every subdomain is generated and its forces are evaluated once, so bodies that overlap
  * and a time step that the neighbours at the start make unstable (DM2_DECK) are found here too.

@@ -97,6 +97,33 @@ static void get_sum(struct bytes_reader *r, struct exact_sum *s)
     s->lo = bytes_get_u64(r);
 }
 
+static void put_overlap(struct bytes_writer *w, const struct overlap *o)
+{
+    bytes_put_u64(w, o->pairs);
+    bytes_put_f64(w, o->ratio);
+    for (int k = 0; k < 2; k++) {
+        bytes_put_u32(w, o->id[k]);
+        bytes_put_u16(w, o->body[k]);
+        bytes_put_f64(w, o->r[k][0]);
+        bytes_put_f64(w, o->r[k][1]);
+    }
+}
+
+static void get_overlap(struct bytes_reader *r, struct overlap *out)
+{
+    out->pairs = bytes_get_u64(r);
+    out->ratio = bytes_get_f64(r);
+    fail_unless(r, out->ratio >= 0.0 && out->ratio < 1.0);
+    for (int k = 0; k < 2; k++) {
+        out->id[k] = bytes_get_u32(r);
+        out->body[k] = bytes_get_u16(r);
+        for (int a = 0; a < 2; a++) {
+            out->r[k][a] = bytes_get_f64(r);
+            fail_unless(r, isfinite(out->r[k][a]));
+        }
+    }
+}
+
 void wire_put_measures(struct bytes_writer *w, const struct measures *m)
 {
     put_sum(w, &m->kinetic);
@@ -124,6 +151,7 @@ void wire_put_measures(struct bytes_writer *w, const struct measures *m)
             put_sum(w, &m->probe[k].v[a]);
         }
     }
+    put_overlap(w, &m->overlap);
 }
 
 void wire_get_measures(struct bytes_reader *r, struct measures *out)
@@ -155,6 +183,7 @@ void wire_get_measures(struct bytes_reader *r, struct measures *out)
             get_sum(r, &out->probe[k].v[a]);
         }
     }
+    get_overlap(r, &out->overlap);
 }
 
 void wire_put_bin(struct bytes_writer *w, const struct profile_bin *b)

@@ -20,6 +20,9 @@
  * for rounded spacings. */
 static const double initial_reach = 1.02;
 
+/* Unlinked neighbours closer than this times r0, or than their lattice puts them, start pressed together. */
+static const double pressed_below = 0.98;
+
 struct builder {
     struct lists *lists;
     const struct model *m;
@@ -118,6 +121,49 @@ static bool is_link_missing(const struct builder *b, uint32_t i, uint32_t j)
     return flaws_miss(b->m->config, ends[0], ends[1], apart);
 }
 
+/* The distance of nearest neighbours in the body's lattice, in diameters of its elements, at most 1. */
+static double find_closeness(const struct body_config *b)
+{
+    double along = b->lattice == LATTICE_HEXAGONAL ? 0.5 * b->spacing : 0.0;
+    double next = sqrt(along * along + b->row_spacing * b->row_spacing);
+    double nearest =
+        fmin(fmin(b->spacing, next), b->lattice == LATTICE_HEXAGONAL ? 2.0 * b->row_spacing : next);
+    return fmin(1.0, nearest / (2.0 * b->radius));
+}
+
+/* Does the pair start pressed together with a force? Grains whose boundaries are linked stand closer than r0
+ * on purpose: their links start without force, and a flaw may have taken some. */
+static bool is_pressed(const struct builder *b, uint32_t i, uint32_t j, double r2, double r0,
+                       const struct pair_law *law, enum relation relation)
+{
+    const struct particles *p = b->p;
+    const struct body_config *bodies = b->m->config->bodies;
+    double most = pressed_below * r0;
+    if (r2 >= most * most || (relation == RELATION_OTHER_GRAIN && law->initial_link) ||
+        ((p->flags[i] & ELEMENT_FIXED_MOTION) && (p->flags[j] & ELEMENT_FIXED_MOTION)))
+        return false;
+    most *= fmin(find_closeness(&bodies[p->body[i]]), find_closeness(&bodies[p->body[j]]));
+    return r2 < most * most;
+}
+
+/* Counts a pressed pair, if the element of lower id is owned here. */
+static void note_overlap(struct builder *b, uint32_t i, uint32_t j, double r2, double r0)
+{
+    const struct particles *p = b->p;
+    uint32_t low = p->id[i] < p->id[j] ? i : j, high = low == i ? j : i;
+    if (low >= p->n_own)
+        return;
+    struct overlap pair = {.pairs = 1,
+                           .ratio = sqrt(r2) / r0,
+                           .id = {p->id[low], p->id[high]},
+                           .body = {p->body[low], p->body[high]}};
+    for (size_t a = 0; a < 2; a++) {
+        pair.r[0][a] = p->r[2 * (size_t)low + a];
+        pair.r[1][a] = p->r[2 * (size_t)high + a];
+    }
+    overlap_merge(&b->lists->overlap, &pair);
+}
+
 /* Adds the near entry of a pair that is linked at the start or within reach; notes an overlap. */
 static void consider_near(struct builder *b, uint32_t i, uint32_t j, double r2)
 {
@@ -131,10 +177,14 @@ static void consider_near(struct builder *b, uint32_t i, uint32_t j, double r2)
         b->close_a = i;
         b->close_b = j;
     }
+    bool pressed = b->initial && is_pressed(b, i, j, r2, r0, law, relation);
+    if (pressed)
+        note_overlap(b, i, j, r2, r0);
     if (!law->near)
         return;
     double starts = initial_reach * law_touch_length(r0);
-    bool linked = b->initial && law->initial_link && r2 <= starts * starts && !is_link_missing(b, i, j);
+    bool linked =
+        b->initial && !pressed && law->initial_link && r2 <= starts * starts && !is_link_missing(b, i, j);
     /* The boundary sets the distance of neighbours in two grains: their links start without force. */
     double stretch = linked && relation == RELATION_OTHER_GRAIN ? sqrt(r2) - r0 : 0.0;
     if (linked || r2 <= reach * reach)
@@ -378,7 +428,8 @@ enum dm2_status lists_build(struct lists *lists, const struct model *m, const st
         status = dm2_fail(
             err, DM2_DECK,
             "elements %u and %u start closer than half their contact distance, near (%g, %g) cm: bodies "
-            "'%s' and '%s' overlap, or a spacing is too small for its radius",
+            "'%s' and '%s' overlap, a spacing is too small for its radius, or a period is no whole number of "
+            "spacings",
             p->id[b.close_a], p->id[b.close_b], p->r[2 * b.close_a], p->r[2 * b.close_a + 1],
             m->config->bodies[p->body[b.close_a]].name, m->config->bodies[p->body[b.close_b]].name);
 done:

@@ -12,6 +12,7 @@
 #include <stdint.h>
 
 #include "dm2/base/status.h"
+#include "dm2/engine/overlap.h"
 #include "bins.h"
 #include "cells.h"
 #include "half_list.h"
@@ -43,6 +44,8 @@ struct lists {
     double *kept; /* lists_keep_memory, of the near pairs of PART_INSIDE: spring (with `springs`), stretch,
                      linked */
     size_t kept_cap;
+    struct overlap overlap; /* of the initial build: pairs of this subdomain, each counted by the owner of its
+                               lower id */
 };
 #define CARRIED_LINKED (UINT32_C(1) << 31) /* slots are below 2^31 */
 
@@ -67,8 +70,9 @@ static inline void lists_carry_place(struct lists *lists, uint32_t a, struct car
 
 /* Builds both lists for the elements of p, which are in cell order, and gives the new entries the carried
  * memory (the calls above, for p->n_own rows, come first). With `initial`, lattice neighbours whose law has
- * initial_link start linked. DM2_MEMORY; DM2_DECK: with `initial`, two elements closer than half their
- * contact distance; DM2_NUMERIC: more than 2^32 - 1 entries. */
+ * initial_link start linked, unless the pair is pressed together, and lists->overlap has the pressed pairs.
+ * DM2_MEMORY; DM2_DECK: with `initial`, two elements closer than half their contact distance; DM2_NUMERIC:
+ * more than 2^32 - 1 entries. */
 enum dm2_status lists_build(struct lists *lists, const struct model *m, const struct particles *p,
                             const struct cells *cells, bool initial, struct dm2_error *err);
 

@@ -256,6 +256,8 @@ static enum dm2_status integrate_motion(struct subdomain *sd, bool drift, double
         out->contacts = sd->totals.contacts;
         out->dt_share = sd->stiffness.dt_share;
         out->compression = sd->stiffness.compression;
+        if (sd->step == 0)
+            out->overlap = sd->lists.overlap;
     }
     subdomain_beat(sd);
     enum dm2_status status = leapfrog_move(sd->model, &sd->p, sd->step, drift, dmax, out, err);

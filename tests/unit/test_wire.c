@@ -194,6 +194,8 @@ static struct measures some_measures(void)
     m.elements = 17;
     m.probe[PROBE_MAX - 1].count = 3;
     (void)exact_add(&m.probe[PROBE_MAX - 1].v[1], -1.0, 40);
+    m.overlap = (struct overlap){
+        4, 0.625, {7, 9}, {1, 2}, {{0.25, -0.5}, {0.125, 1.5}}}; /* pairs, ratio, ids, bodies */
     return m;
 }
 
@@ -229,6 +231,10 @@ TEST(a_step_message_round_trip)
     CHECK_NEAR(out.measures.dt_share, in.measures.dt_share, 0);
     CHECK_NEAR(out.measures.compression, in.measures.compression, 0);
     CHECK(memcmp(&in.measures.probe, &out.measures.probe, sizeof in.measures.probe) == 0);
+    CHECK_EQ_INT(in.measures.overlap.pairs, 4);
+    CHECK_SAME_BITS(in.measures.overlap.ratio, 0.625);
+    CHECK(in.measures.overlap.id[1] == 9 && in.measures.overlap.body[1] == 2);
+    CHECK_SAME_BITS(in.measures.overlap.r[1][1], 1.5);
     CHECK_SAME_BITS(in.measures.p_min, INFINITY);
     for (size_t n = 0; n < w.length; n++) {
         r = bytes_reader_of(w.data, n);
