@@ -126,6 +126,19 @@ static void check_structure(const struct deck_binding *b, size_t i)
     }
 }
 
+/* Asks about an angle beyond a full turn, which is likely one in degrees without the unit. */
+static void check_angle(const struct deck_binding *b, size_t i)
+{
+    static const double turn = 6.283185307179586;
+    const struct body_config *body = &b->config->bodies[i];
+    struct number_text t;
+    if (fabs(body->angle) > turn * (1 + 1e-9))
+        findings_warn(b->findings, binding_place(b, b->blocks[BLOCK_BODY][i], "angle", 0),
+                      "the lattice of the body '%s' is turned by %s radians, more than a full turn: %s is a "
+                      "number of radians, %s deg is an angle in degrees",
+                      body->name, number_text(body->angle, &t), t.text, t.text);
+}
+
 static void check_in_domain(const struct deck_binding *b, size_t i)
 {
     const struct config *c = b->config;
@@ -300,6 +313,7 @@ bool check_bodies(const struct deck_binding *b)
         check_mix(b, i);
         check_motion(b, i);
         check_structure(b, i);
+        check_angle(b, i);
         if (!body_shape_known(b, i) || !check_shape(b, i))
             continue;
         check_in_domain(b, i);
