@@ -1,4 +1,5 @@
 # Elements that start pressed into each other are told, alike by every program; they do not link there by chance.
+# timeout: 200
 . "$DM2_SRC/tests/lib.sh"
 
 head='let d = 0.04 cm
@@ -46,11 +47,16 @@ flaw f { line = 0.1, 0.5, 0.9, 0.52 }
 D
 } >grains.dm2
 
+case $FLAVOUR in
+release) ways='seq 1 2 3 check' ;;
+*) ways='seq 3 check' ;; # slower by far
+esac
+
 # warnings DECK NAME=VALUE: what dm2-seq, dm2-client with 1 to 3 servers and --check say on standard error, in the file
 # `said`, the same of all.
 warnings()
 {
-    for way in seq 1 2 3 check; do
+    for way in $ways; do
         case $way in
         seq) set -- "$1" "$2" dm2-seq -o run-seq --overwrite ;;
         check) set -- "$1" "$2" dm2-client -n 2 --check ;;
@@ -76,7 +82,7 @@ links()
 }
 
 remedy='move a body, or make a period a whole number of spacings'
-for gap in 0.51 0.6 0.9 0.97; do
+for gap in 0.51 0.97; do
     warnings overlap.dm2 gap=$gap
     expect_text said 'warning: 10 pairs of elements start pressed into each other; the deepest, elements 30 of '
     expect_text said "elements 30 of 'lower' at (0.22, 0.34) cm and 40 of 'upper' at (0.22, "
