@@ -117,7 +117,7 @@ DM2_INLINE bool find_part(const struct model *m, const struct particles *p, cons
     double dx = period_nearest(r[2 * i] - r[2 * j], period->size[0], period->half[0]);
     double dy = period_nearest(r[2 * i + 1] - r[2 * j + 1], period->size[1], period->half[1]);
     double r2 = dx * dx + dy * dy, r0 = p->radius[i] + p->radius[j];
-    if (!(r2 > 0.0) || (!linked && r2 > r0 * r0 * (1.0 + 0x1p-24)))
+    if (!(r2 > 0.0) || (!linked && law_far_apart(r2, r0)))
         return false;
     double distance = sqrt(r2), x = distance - l->stretch[k], ct;
     if (!linked && !law_touches(distance, r0))
