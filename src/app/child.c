@@ -34,7 +34,7 @@ char *child_path(const char *argv0, const char *name)
 /* Runs in the child: only async-signal-safe calls until exec. */
 static void become_program(char *const argv[])
 {
-    int null = open("/dev/null", O_RDWR);
+    int null = open("/dev/null", O_RDWR | O_CLOEXEC);
     (void)setpgid(0, 0);
     if (null >= 0 && dup2(null, STDIN_FILENO) >= 0 && dup2(null, STDOUT_FILENO) >= 0)
         (void)execvp(argv[0], argv);

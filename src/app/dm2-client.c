@@ -20,6 +20,7 @@
 #include "run.h"
 #include "server_status.h"
 #include "signals.h"
+#include "streams.h"
 
 static const char PROGRAM[] = "dm2-client";
 static const double STATUS_SECONDS = 10; /* for a server to answer --status */
@@ -408,6 +409,7 @@ int main(int argc, char **argv)
 {
     struct client_command c;
     struct dm2_error err = {0};
+    streams_start();
     enum dm2_status status = parse_command_line(&c, argc, argv, &err);
     if (status == DM2_OK && c.run.version)
         run_print_version(PROGRAM);
@@ -417,5 +419,6 @@ int main(int argc, char **argv)
     }
     option_list_free(&c.servers);
     run_options_free(&c.run);
-    return status == DM2_OK ? 0 : run_report_failure(PROGRAM, &err);
+    return streams_finish(PROGRAM, status == DM2_OK ? 0 : run_report_failure(PROGRAM, &err),
+                          c.status || run_output_asked(&c.run));
 }

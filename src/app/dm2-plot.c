@@ -14,6 +14,7 @@
 #include "dm2/plot/picture.h"
 #include "dm2/plot/vtp_reader.h"
 #include "options.h"
+#include "streams.h"
 
 enum { SERIES_MAX = 32 };
 
@@ -409,17 +410,14 @@ int main(int argc, char **argv)
 {
     struct dm2_error err = {0};
     const char *command = argc > 1 ? argv[1] : "";
-    enum dm2_status status;
+    enum dm2_status status = DM2_OK;
+    streams_start();
     (void)signal(SIGXFSZ, SIG_IGN); /* an exceeded file size limit becomes an error of write */
     if (strcmp(command, "-h") == 0 || strcmp(command, "--help") == 0) {
         fputs(usage, stdout);
-        return 0;
-    }
-    if (strcmp(command, "--version") == 0) {
+    } else if (strcmp(command, "--version") == 0) {
         puts("dm2-plot " DM2_VERSION);
-        return 0;
-    }
-    if (strcmp(command, "snapshot") == 0)
+    } else if (strcmp(command, "snapshot") == 0)
         status = snapshot_command(argc - 1, argv + 1, &err);
     else if (strcmp(command, "chart") == 0)
         status = chart_command(argc - 1, argv + 1, &err);
@@ -427,9 +425,5 @@ int main(int argc, char **argv)
         status = dm2_fail(&err, DM2_USAGE, "'%s' is no command; snapshot and chart are", command);
     if (status != DM2_OK)
         fprintf(stderr, "dm2-plot: %s\n%s", err.text, status == DM2_USAGE && command[0] == '\0' ? usage : "");
-    else if (fflush(stdout) != 0 || ferror(stdout)) {
-        fprintf(stderr, "dm2-plot: cannot write to standard output\n");
-        status = DM2_IO;
-    }
-    return exit_status(status);
+    return streams_finish("dm2-plot", exit_status(status), true);
 }

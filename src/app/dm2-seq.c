@@ -17,6 +17,7 @@
 #include "progress.h"
 #include "run.h"
 #include "signals.h"
+#include "streams.h"
 
 static const char PROGRAM[] = "dm2-seq";
 
@@ -321,6 +322,7 @@ int main(int argc, char **argv)
     struct run_options options;
     struct option table[RUN_OPTIONS];
     struct dm2_error err = {0};
+    streams_start();
     run_options_start(&options, PROGRAM, argc, argv, table);
     enum dm2_status status = options_parse(table, RUN_OPTIONS, argc, argv, &options.operands, &err);
     if (status == DM2_OK && options.help) {
@@ -334,5 +336,6 @@ int main(int argc, char **argv)
     if (status == DM2_OK && !options.help && !options.version)
         status = run_deck(&options, signals_catch(), &err);
     run_options_free(&options);
-    return status == DM2_OK ? 0 : run_report_failure(PROGRAM, &err);
+    return streams_finish(PROGRAM, status == DM2_OK ? 0 : run_report_failure(PROGRAM, &err),
+                          run_output_asked(&options));
 }

@@ -30,7 +30,7 @@ static void become_server(char *path, int out, bool verbose)
     char elements[] = "--max-elements",
          steps[] = "--max-steps"; /* 0: no limits, because client and server have the same user */
     char *arguments[] = {path, port, zero, once, elements, zero, steps, zero, verbose ? NULL : quiet, NULL};
-    int null = open("/dev/null", O_RDONLY);
+    int null = open("/dev/null", O_RDONLY | O_CLOEXEC);
     (void)setpgid(0, 0);
     if (null >= 0 && dup2(null, STDIN_FILENO) >= 0 && dup2(out, STDOUT_FILENO) >= 0)
         (void)execvp(path, arguments);

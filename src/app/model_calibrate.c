@@ -165,7 +165,7 @@ static enum dm2_status run_calibration(struct calibrate *c, struct dm2_error *er
         return status;
     (void)printf("k = %.4g s, spread %.2g s (%.1f %%), g = %g bytes\nwritten to %s\n", out.perf.k,
                  out.k_spread, 100 * out.k_spread / out.perf.k, out.perf.g, path);
-    return model_output_end(err);
+    return DM2_OK;
 }
 
 enum dm2_status model_calibrate_command(const char *argv0, int argc, char **argv, struct dm2_error *err)

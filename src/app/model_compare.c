@@ -211,7 +211,6 @@ static enum dm2_status run_comparison(struct compare *c, struct dm2_error *err)
             print_csv(&all);
         else
             print_table(c, &all);
-        status = model_output_end(err);
     }
     free(all.items);
     return status;

@@ -55,7 +55,7 @@ static enum dm2_status run_netbench(const struct netbench *c, const char *argv0,
     if (status != DM2_OK)
         return status;
     (c->csv ? print_csv : print_table)(lines, c->servers.n_counts);
-    return model_output_end(err);
+    return DM2_OK;
 }
 
 enum dm2_status model_netbench_command(const char *argv0, int argc, char **argv, struct dm2_error *err)

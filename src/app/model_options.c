@@ -309,10 +309,3 @@ void model_options_free(struct model_options *o)
     free(o->servers);
     *o = (struct model_options){0};
 }
-
-enum dm2_status model_output_end(struct dm2_error *err)
-{
-    if (fflush(stdout) == 0 && ferror(stdout) == 0)
-        return DM2_OK;
-    return dm2_fail(err, DM2_IO, "standard output could not be written");
-}

@@ -42,7 +42,4 @@ void model_options_free(struct model_options *o);
 /* Reads the number of the option `name`: finite and above 0. DM2_USAGE. */
 enum dm2_status model_option_number(const char *name, const char *text, double *out, struct dm2_error *err);
 
-/* Flushes standard output. DM2_IO where not all output could be written. */
-enum dm2_status model_output_end(struct dm2_error *err);
-
 #endif

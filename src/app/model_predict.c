@@ -81,7 +81,7 @@ static enum dm2_status run_prediction(const struct model_options *o, struct dm2_
     else if (status == DM2_OK)
         print_table(&o->perf, rows, o->n_count * n_servers);
     free(rows);
-    return status == DM2_OK ? model_output_end(err) : status;
+    return status;
 }
 
 enum dm2_status model_predict_command(const char *argv0, int argc, char **argv, struct dm2_error *err)

@@ -289,7 +289,7 @@ static enum dm2_status run_what_if(struct what_if *w, struct dm2_error *err)
         status = check_tables(w, err);
     if (status == DM2_OK)
         status = print_tables(w, err);
-    return status == DM2_OK ? model_output_end(err) : status;
+    return status;
 }
 
 enum dm2_status model_what_if_command(const char *argv0, int argc, char **argv, struct dm2_error *err)

@@ -11,6 +11,7 @@
 #include "dm2/deck/digest.h"
 #include "dm2/engine/subdomain.h"
 #include "dm2/output/run_directory.h"
+#include "streams.h"
 
 void run_options_start(struct run_options *o, const char *program, int argc, char **argv,
                        struct option table[RUN_OPTIONS])
@@ -64,6 +65,10 @@ enum dm2_status run_options_finish(struct run_options *o, struct dm2_error *err)
     if (o->operands.n > 1)
         return dm2_fail(err, DM2_USAGE, "one deck is expected, and then '%s' is too much",
                         o->operands.items[1]);
+    if (streams_output_closed() && o->hash_every > 0)
+        return dm2_fail(
+            err, DM2_USAGE,
+            "--hash-every prints on standard output, which is closed: open it, or leave the option out");
     o->deck = o->operands.items[0];
     return DM2_OK;
 }
@@ -452,6 +457,11 @@ void run_print_hash(int64_t step, uint64_t hash)
 bool run_hash_due(const struct run_options *o, const struct run *run, int64_t step)
 {
     return o->hash_every > 0 && (step % o->hash_every == 0 || step == run->config.steps);
+}
+
+bool run_output_asked(const struct run_options *o)
+{
+    return o->check || o->hash_every > 0 || o->help || o->version;
 }
 
 int run_report_failure(const char *program, const struct dm2_error *err)

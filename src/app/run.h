@@ -99,6 +99,10 @@ enum dm2_status run_print_check(FILE *to, const struct run_options *o, const str
 void run_print_hash(int64_t step, uint64_t hash);
 bool run_hash_due(const struct run_options *o, const struct run *run, int64_t step);
 
+/* Whether standard output is what the user asked for (--check, --hash-every, --help, --version), more than
+ * the closing lines of a run. */
+bool run_output_asked(const struct run_options *o);
+
 /* Prints a failure on standard error, with a hint at --help for a wrong command line; returns the exit
  * status of the program. */
 int run_report_failure(const char *program, const struct dm2_error *err);
