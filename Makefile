@@ -85,6 +85,12 @@ FLAGS_NOW := $(CC) $(DM2_CFLAGS) $(WARN) $(WERROR) $(CPPFLAGS) $(CFLAGS) $(EXACT
 $(BUILD)/flags: FORCE
 	$(Q)mkdir -p $(@D); echo '$(FLAGS_NOW)' | cmp -s - $@ || echo '$(FLAGS_NOW)' > $@
 
+# The directory of the installed decks and materials; a changed PREFIX rebuilds what has it compiled in.
+$(BUILD)/prefix: FORCE
+	$(Q)mkdir -p $(@D); echo '$(PREFIX)' | cmp -s - $@ || echo '$(PREFIX)' > $@
+$(BUILD)/src/app/places.o: $(BUILD)/prefix
+$(BUILD)/src/app/places.o: DM2_CFLAGS += -DDM2_SHARE='"$(PREFIX)/share/dm2"'
+
 $(BUILD)/%.o: %.c $(BUILD)/flags
 	$(Q)mkdir -p $(@D)
 	$(if $(Q),@echo "  CC   $<")

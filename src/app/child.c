@@ -15,22 +15,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "dm2/base/mem.h"
-
-char *child_path(const char *argv0, const char *name)
-{
-    const char *slash = strrchr(argv0, '/');
-    size_t directory = slash == NULL ? 0 : (size_t)(slash - argv0) + 1, length = strlen(name) + 1;
-    char *path = mem_alloc(directory + length, 1);
-    if (path == NULL)
-        return NULL;
-    memcpy(path, argv0, directory);
-    memcpy(path + directory, name, length);
-    if (directory > 0 && access(path, X_OK) != 0)
-        memcpy(path, name, length);
-    return path;
-}
-
 /* Runs in the child: only async-signal-safe calls until exec. */
 static void become_program(char *const argv[])
 {

@@ -1,12 +1,8 @@
-/* Finds and runs other programs of dm2. */
+/* Runs other programs of dm2. */
 #ifndef DM2_APP_CHILD_H
 #define DM2_APP_CHILD_H
 
 #include "dm2/base/status.h"
-
-/* The path of the program `name` beside `argv0`, the path by which the caller was started, or the bare
- * name for a search on PATH. malloc'd, the caller frees it; NULL: no memory. */
-char *child_path(const char *argv0, const char *name);
 
 /* Runs `argv` (argv[0] is the path, NULL at the end) with standard input and output on /dev/null, and
  * waits for its end. A readable `cancel` sends the child SIGTERM first: DM2_INTERRUPTED. Where its exit

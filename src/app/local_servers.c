@@ -18,7 +18,7 @@
 #include "dm2/base/machine.h"
 #include "dm2/base/mem.h"
 #include "dm2/net/socket.h"
-#include "child.h"
+#include "places.h"
 
 static const double START_SECONDS = 20.0; /* until a server prints its address */
 static const double STOP_SECONDS = 5.0;   /* until a server ends after SIGTERM */
@@ -88,7 +88,7 @@ static enum dm2_status read_port(const struct local_server *server, const char *
 enum dm2_status local_servers_start(const char *argv0, int n, bool verbose, int cancel,
                                     struct local_servers *out, struct endpoints *list, struct dm2_error *err)
 {
-    char *path = child_path(argv0, "dm2-server");
+    char *path = places_program(argv0, "dm2-server");
     enum dm2_status status = DM2_OK;
     *out = (struct local_servers){.items = mem_zalloc((size_t)n, sizeof *out->items)};
     if (path == NULL || out->items == NULL)

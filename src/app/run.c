@@ -11,6 +11,7 @@
 #include "dm2/deck/digest.h"
 #include "dm2/engine/subdomain.h"
 #include "dm2/output/run_directory.h"
+#include "places.h"
 #include "streams.h"
 
 void run_options_start(struct run_options *o, const char *program, int argc, char **argv,
@@ -178,7 +179,11 @@ enum dm2_status run_load(const struct run_options *o, struct run *run, struct dm
 {
     struct deck_report report = {0};
     *run = (struct run){0};
-    enum dm2_status status = deck_source_read(o->deck, &run->source, err);
+    struct deck_roots roots;
+    enum dm2_status status = places_roots(o->argv[0], &roots, err);
+    if (status == DM2_OK)
+        status = deck_source_read(o->deck, &roots, &run->source, err);
+    places_free_roots(&roots);
     if (status == DM2_IO)
         err->status = status = DM2_DECK; /* an unreadable deck is a wrong deck */
     if (status != DM2_OK)

@@ -11,6 +11,7 @@
 #include "dm2/base/mem.h"
 #include "dm2/base/number.h"
 #include "child.h"
+#include "places.h"
 
 static const char DECK[] = "timing.dm2";
 
@@ -131,7 +132,7 @@ static enum dm2_status write_line(const struct sweep *s, double n, int servers, 
     enum { FIXED = 16 };
     static char quiet[] = "-q", overwrite[] = "--overwrite", output[] = "-o", define[] = "-D",
                 number[] = "--steps";
-    line->path = child_path(s->argv0, servers == 0 ? "dm2-seq" : "dm2-client");
+    line->path = places_program(s->argv0, servers == 0 ? "dm2-seq" : "dm2-client");
     line->names = mem_zalloc((size_t)servers + 1, sizeof *line->names);
     line->argv = mem_zalloc((size_t)(FIXED + 2 * servers), sizeof *line->argv);
     if (line->path == NULL || line->names == NULL || line->argv == NULL) {

@@ -241,6 +241,11 @@ enum dm2_status file_make_directory(const char *path, bool *made, struct dm2_err
     return dm2_fail(err, DM2_IO, "%s: cannot bring the new directory to disk: %s", path, strerror(error));
 }
 
+bool file_is_absent(const char *path)
+{
+    return access(path, F_OK) != 0 && (errno == ENOENT || errno == ENOTDIR);
+}
+
 void file_abandon(struct file_out *f)
 {
     if (f->path == NULL)

@@ -5,7 +5,7 @@
  *
  * An included text is parsed where its `include` stands, and only at the first `include` that names it. An
  * include of a text that is being parsed is a cycle. The reader of files and the parser name texts by the
- * same function, deck_source_include. */
+ * same function, deck_source_find. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -363,14 +363,6 @@ static void parse_block(struct deck_parser *p)
 
 /* --- texts --- */
 
-static int find_text(const struct deck_source *source, const char *name)
-{
-    for (size_t i = 0; i < source->n_texts; i++)
-        if (strcmp(source->texts[i].name, name) == 0)
-            return (int)i;
-    return -1;
-}
-
 static void parse_include(struct parse *parse, struct deck_parser *p)
 {
     const struct deck_source *source = parse->findings->source;
@@ -382,11 +374,11 @@ static void parse_include(struct parse *parse, struct deck_parser *p)
         return;
     }
     p->at++;
-    char *name =
-        deck_source_include(source->texts[p->text].name, place_bytes(source, path) + 1, path.length - 2);
-    int text = name == NULL ? -1 : find_text(source, name);
+    bool valid;
+    int text =
+        deck_source_find(source, (size_t)p->text, place_bytes(source, path) + 1, path.length - 2, &valid);
     struct place_text shown;
-    if (name == NULL)
+    if (!valid)
         findings_error(p->findings, path,
                        "an included file lies beside the including one or below: "
                        "neither an absolute path nor '..'");
@@ -400,7 +392,6 @@ static void parse_include(struct parse *parse, struct deck_parser *p)
         (void)parse_text(parse, text);
     if (text < 0)
         p->tree->incomplete = true;
-    free(name);
     finish_statement(p);
 }
 

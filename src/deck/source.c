@@ -30,7 +30,10 @@ void deck_source_free(struct deck_source *source)
 
 static bool path_is_acceptable(const char *path, size_t length)
 {
-    if (length == 0 || path[0] == '/')
+    size_t start = 0;
+    while (start + 1 < length && path[start] == '.' && path[start + 1] == '/')
+        start += 2;
+    if (start >= length || path[start] == '/')
         return false;
     for (size_t from = 0, i = 0; i <= length; i++) {
         if (i < length && (unsigned char)path[i] < 0x20)
@@ -44,32 +47,88 @@ static bool path_is_acceptable(const char *path, size_t length)
     return true;
 }
 
+/* Appends `path` without its empty components and those that are '.' to `to`, and a NUL. */
+static void append_path(char *to, const char *path, size_t length)
+{
+    bool first = true;
+    for (size_t from = 0, i = 0; i <= length; i++) {
+        if (i < length && path[i] != '/')
+            continue;
+        if (i - from > 1 || (i - from == 1 && path[from] != '.')) {
+            if (!first)
+                *to++ = '/';
+            memcpy(to, path + from, i - from);
+            to += i - from;
+            first = false;
+        }
+        from = i + 1;
+    }
+    *to = '\0';
+}
+
+/* `folder`, then `separator`, then `path` as append_path leaves it. malloc'd; NULL: no memory. */
+static char *join_path(const char *folder, size_t n, const char *separator, const char *path, size_t length)
+{
+    size_t between = strlen(separator);
+    char *name = mem_alloc(n + between + length + 1, 1);
+    if (name == NULL)
+        return NULL;
+    memcpy(name, folder, n);
+    memcpy(name + n, separator, between);
+    append_path(name + n + between, path, length);
+    return name;
+}
+
 char *deck_source_include(const char *includer, const char *path, size_t length)
 {
     const char *slash = strrchr(includer, '/');
     size_t folder = slash == NULL ? 0 : (size_t)(slash - includer) + 1;
     if (!path_is_acceptable(path, length))
         return NULL;
-    /* `./a` and `a` are the same file. */
-    while (length > 2 && path[0] == '.' && path[1] == '/') {
-        path += 2;
-        length -= 2;
-    }
-    char *name = malloc(folder + length + 1);
-    if (name != NULL) {
-        memcpy(name, includer, folder);
-        memcpy(name + folder, path, length);
-        name[folder + length] = '\0';
+    char *name = join_path(includer, folder, "", path, length);
+    if (name != NULL && name[folder] == '\0') { /* the path has components '.' alone */
+        free(name);
+        name = NULL;
     }
     return name;
 }
 
-static bool has_text(const struct deck_source *source, const char *name)
+static int find_name(const struct deck_source *source, const char *name)
 {
     for (size_t i = 0; i < source->n_texts; i++)
         if (strcmp(source->texts[i].name, name) == 0)
-            return true;
-    return false;
+            return (int)i;
+    return -1;
+}
+
+/* The text that was found by `path` in a directory of struct deck_roots: its name is the directory, ROOT_MARK
+ * and the path. */
+static const char ROOT_MARK[] = "//";
+
+static int find_in_roots(const struct deck_source *source, const char *path, size_t length)
+{
+    char *end = join_path("", 0, ROOT_MARK, path, length);
+    size_t n = end == NULL ? 0 : strlen(end);
+    int found = -1;
+    for (size_t i = 0; n > 0 && found < 0 && i < source->n_texts; i++) {
+        size_t all = strlen(source->texts[i].name);
+        if (all > n && strcmp(source->texts[i].name + all - n, end) == 0)
+            found = (int)i;
+    }
+    free(end);
+    return found;
+}
+
+int deck_source_find(const struct deck_source *source, size_t includer, const char *path, size_t length,
+                     bool *valid)
+{
+    char *name = deck_source_include(source->texts[includer].name, path, length);
+    *valid = name != NULL;
+    if (name == NULL)
+        return -1;
+    int found = find_name(source, name);
+    free(name);
+    return found >= 0 ? found : find_in_roots(source, path, length);
 }
 
 /* The state of reading a deck. */
@@ -78,6 +137,7 @@ struct reading {
     size_t room, budget;                          /* bytes and tokens that the deck may still have */
     bool (*may)(void *context, const char *name); /* NULL: every file may be read */
     void *context;
+    const struct deck_roots *roots; /* NULL: files are looked for beside the including file alone */
 };
 
 /* Reads a file and appends its text to the source. The source owns `name` afterwards, also on failure. `by`
@@ -105,22 +165,59 @@ static enum dm2_status add_file(struct reading *reading, char *name, const char 
     return status;
 }
 
+/* Looks for `path` in the roots. Returns its name there, malloc'd; NULL: in none, with *err, or no memory. */
+static char *find_on_disk(const struct deck_roots *roots, const char *path, size_t length, const char *by,
+                          const char *beside, struct dm2_error *err)
+{
+    char places[400] = "";
+    size_t used = 0;
+    for (size_t k = 0; k < roots->n; k++) {
+        const char *root = roots->items[k];
+        size_t n = strlen(root);
+        while (n > 1 && root[n - 1] == '/')
+            n--;
+        char *name = join_path(root, n, ROOT_MARK, path, length);
+        if (name == NULL || !file_is_absent(name))
+            return name;
+        free(name);
+        if (used < sizeof places)
+            used += (size_t)snprintf(places + used, sizeof places - used, ", %.*s", (int)n, root);
+    }
+    (void)dm2_fail(
+        err, DM2_IO,
+        "%s%s: cannot open: No such file or directory; looked there%s; the variable DM2_PATH names "
+        "further directories",
+        by, beside, places);
+    return NULL;
+}
+
 static enum dm2_status read_included(struct reading *reading, size_t includer, const struct tokens *tokens,
                                      size_t at, struct dm2_error *err)
 {
     const struct deck_source *source = reading->source;
     const struct deck_text text = source->texts[includer];
-    const struct token *path = &tokens->items[at];
-    char *name = deck_source_include(text.name, text.text + path->offset + 1, path->length - 2);
-    if (name == NULL || has_text(source, name)) {
+    const struct token *token = &tokens->items[at];
+    const char *path = text.text + token->offset + 1;
+    size_t length = token->length - 2;
+    char *name = deck_source_include(text.name, path, length);
+    if (name == NULL || find_name(source, name) >= 0) {
         free(name);
         return DM2_OK;
     }
     unsigned long line = 1;
-    for (size_t i = 0; i < path->offset; i++)
+    for (size_t i = 0; i < token->offset; i++)
         line += text.text[i] == '\n';
     char by[300];
     (void)snprintf(by, sizeof by, "%.200s:%lu: ", text.name, line);
+    if (reading->roots != NULL && file_is_absent(name)) {
+        char *beside = name;
+        name = find_in_roots(source, path, length) >= 0
+                   ? NULL
+                   : find_on_disk(reading->roots, path, length, by, beside, err);
+        free(beside);
+        if (name == NULL)
+            return find_in_roots(source, path, length) >= 0 ? DM2_OK : DM2_IO;
+    }
     if (source->n_texts >= DECK_MAX_TEXTS) {
         free(name);
         return dm2_fail(err, DM2_DECK, "%sthe deck includes more than %d files", by, DECK_MAX_TEXTS - 1);
@@ -160,9 +257,41 @@ static enum dm2_status read_includes(struct reading *reading, size_t text, struc
     return status;
 }
 
-enum dm2_status deck_source_read(const char *path, struct deck_source *out, struct dm2_error *err)
+/* Leaves one slash of each row of slashes, because ROOT_MARK is in no other name. */
+static void single_slashes(char *name)
 {
-    return deck_source_read_some(path, NULL, NULL, out, err);
+    char *to = name;
+    for (const char *from = name; *from != '\0'; from++)
+        if (from[0] != '/' || from[1] != '/')
+            *to++ = *from;
+    *to = '\0';
+}
+
+static enum dm2_status read_deck(const char *path, struct reading *reading, struct dm2_error *err)
+{
+    struct deck_source *out = reading->source;
+    size_t length = strlen(path) + 1;
+    *out = (struct deck_source){.steps = -1};
+    char *name = malloc(length);
+    if (name != NULL)
+        memcpy(name, path, length);
+    if (name != NULL && reading->roots != NULL)
+        single_slashes(name);
+    enum dm2_status status = add_file(reading, name, "", err);
+    /* n_texts grows during the loop, because files include further files. */
+    for (size_t i = 0; status == DM2_OK && i < out->n_texts; i++)
+        status = read_includes(reading, i, err);
+    if (status != DM2_OK)
+        deck_source_free(out);
+    return status;
+}
+
+enum dm2_status deck_source_read(const char *path, const struct deck_roots *roots, struct deck_source *out,
+                                 struct dm2_error *err)
+{
+    struct reading reading = {
+        .source = out, .room = DECK_MAX_BYTES, .budget = DECK_MAX_TOKENS, .roots = roots};
+    return read_deck(path, &reading, err);
 }
 
 enum dm2_status deck_source_read_some(const char *path, bool (*may)(void *context, const char *name),
@@ -170,16 +299,5 @@ enum dm2_status deck_source_read_some(const char *path, bool (*may)(void *contex
 {
     struct reading reading = {
         .source = out, .room = DECK_MAX_BYTES, .budget = DECK_MAX_TOKENS, .may = may, .context = context};
-    size_t length = strlen(path) + 1;
-    *out = (struct deck_source){.steps = -1};
-    char *name = malloc(length);
-    if (name != NULL)
-        memcpy(name, path, length);
-    enum dm2_status status = add_file(&reading, name, "", err);
-    /* n_texts grows during the loop, because files include further files. */
-    for (size_t i = 0; status == DM2_OK && i < out->n_texts; i++)
-        status = read_includes(&reading, i, err);
-    if (status != DM2_OK)
-        deck_source_free(out);
-    return status;
+    return read_deck(path, &reading, err);
 }

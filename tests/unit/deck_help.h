@@ -41,7 +41,7 @@ static inline struct loaded load_path(const char *path, const char *const *defin
     struct loaded out;
     struct deck_source source;
     struct dm2_error err = {0};
-    if (deck_source_read(path, &source, &err) != DM2_OK) {
+    if (deck_source_read(path, NULL, &source, &err) != DM2_OK) {
         printf("%s\n", err.text);
         exit(1);
     }

@@ -111,7 +111,7 @@ static void run_deck(const char *name, int good)
     struct deck_report report;
     struct config config;
     struct dm2_error err = {0};
-    enum dm2_status status = deck_source_read(name, &source, &err);
+    enum dm2_status status = deck_source_read(name, NULL, &source, &err);
     if (status != DM2_OK) {
         CHECK(!good);
         (void)strcat(err.text, "\n");

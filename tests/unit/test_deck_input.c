@@ -14,7 +14,7 @@ static enum dm2_status load_file(const char *path, const char *define, struct co
     struct deck_report report;
     struct dm2_error err;
     enter_source_tree();
-    CHECK_EQ_INT(deck_source_read(path, &source, &err), DM2_OK);
+    CHECK_EQ_INT(deck_source_read(path, NULL, &source, &err), DM2_OK);
     if (define != NULL) {
         source.defines = mem_zalloc(1, sizeof(char *));
         source.defines[0] = mem_zalloc(strlen(define) + 1, 1);

@@ -20,7 +20,7 @@ TEST(included_files_are_read_once)
     scratch_write("sub/c", "include \"./c\"");
     struct deck_source s;
     struct dm2_error err = {0};
-    CHECK_EQ_INT(deck_source_read(scratch_path("main"), &s, &err), DM2_OK);
+    CHECK_EQ_INT(deck_source_read(scratch_path("main"), NULL, &s, &err), DM2_OK);
     CHECK_STR(err.text, "");
     CHECK_EQ_INT(s.n_texts, 4);
     if (s.n_texts == 4) {
@@ -39,20 +39,20 @@ TEST(what_cannot_be_read)
     struct deck_source s;
     struct dm2_error err;
     scratch_begin();
-    CHECK_EQ_INT(deck_source_read(scratch_path("absent"), &s, &err), DM2_IO);
+    CHECK_EQ_INT(deck_source_read(scratch_path("absent"), NULL, &s, &err), DM2_IO);
     CHECK_CONTAINS(err.text, "No such file");
-    CHECK_EQ_INT(deck_source_read(scratch_directory, &s, &err), DM2_IO);
+    CHECK_EQ_INT(deck_source_read(scratch_directory, NULL, &s, &err), DM2_IO);
     CHECK_CONTAINS(err.text, scratch_directory);
     CHECK_EQ_INT(mkfifo(scratch_path("pipe"), 0600), 0);
-    CHECK_EQ_INT(deck_source_read(scratch_path("pipe"), &s, &err), DM2_IO);
+    CHECK_EQ_INT(deck_source_read(scratch_path("pipe"), NULL, &s, &err), DM2_IO);
     scratch_write("main", "\n\ninclude \"pipe\"\n");
-    CHECK_EQ_INT(deck_source_read(scratch_path("main"), &s, &err), DM2_IO);
+    CHECK_EQ_INT(deck_source_read(scratch_path("main"), NULL, &s, &err), DM2_IO);
     CHECK_CONTAINS(err.text, "main:3: ");
     CHECK_EQ_INT(s.n_texts, 0);
     /* A sparse file of 17 MiB. */
     scratch_write("large", "#");
     CHECK_EQ_INT(truncate(scratch_path("large"), 17 << 20), 0);
-    CHECK_EQ_INT(deck_source_read(scratch_path("large"), &s, &err), DM2_IO);
+    CHECK_EQ_INT(deck_source_read(scratch_path("large"), NULL, &s, &err), DM2_IO);
     CHECK_CONTAINS(err.text, "16777216");
     scratch_end();
 }
@@ -68,7 +68,7 @@ TEST(too_many_files)
         (void)snprintf(text, sizeof text, "include \"f%d\"\n", i + 1);
         scratch_write(name, text);
     }
-    CHECK_EQ_INT(deck_source_read(scratch_path("f0"), &s, &err), DM2_DECK);
+    CHECK_EQ_INT(deck_source_read(scratch_path("f0"), NULL, &s, &err), DM2_DECK);
     CHECK_CONTAINS(err.text, "more than 63 files");
     scratch_end();
 }
@@ -93,6 +93,14 @@ TEST(names_of_included_files)
     check_name("main", "a/../b", "(none)");
     check_name("main", "./..", "(none)");
     check_name("main", "a\tb", "(none)");
+    /* A file has one name, and no spelling leads out of the folder. */
+    check_name("main", "x//y/./z", "x/y/z");
+    check_name("d/main", ".//etc/x", "(none)");
+    check_name("main", "././/etc/x", "(none)");
+    check_name("main", ".///etc/x", "(none)");
+    check_name("main", "x/.//etc/y", "x/etc/y");
+    check_name("main", "./", "(none)");
+    check_name("main", ".", "(none)");
 }
 
 /* deck_load checks every limit of a source, because a source may come from a socket. */

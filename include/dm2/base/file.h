@@ -60,6 +60,9 @@ enum dm2_status file_make_directory(const char *path, bool *made, struct dm2_err
 /* Renames a file and brings the new name to disk. */
 enum dm2_status file_rename(const char *from, const char *to, struct dm2_error *err);
 
+/* Whether the system says that there is no file `path`. */
+bool file_is_absent(const char *path);
+
 /* Closes and removes the temporary file. Does nothing to an empty or zeroed *f. */
 void file_abandon(struct file_out *f);
 

@@ -28,11 +28,19 @@ struct deck_source {
     int64_t steps; /* from --steps; -1: `steps` of the deck holds */
 };
 
-/* Reads `path` and the files that it includes from disk. *out is freed by deck_source_free; on failure *out
- * is empty and *err names the file and the reason. DM2_IO, DM2_DECK, DM2_MEMORY. */
-enum dm2_status deck_source_read(const char *path, struct deck_source *out, struct dm2_error *err);
-/* The same, but an included file is opened only if `may` is true for its name as it would be opened. DM2_IO
- * where `may` is false. */
+/* Directories in which an included file is looked for that is not beside the including one. */
+struct deck_roots {
+    char **items;
+    size_t n;
+};
+
+/* Reads `path` and the files that it includes from disk; `roots` may be NULL. *out is freed by
+ * deck_source_free; on failure *out is empty and *err names the file, the reason, and for a file that is in
+ * none of the directories these. A text from a root is named ROOT//PATH. DM2_IO, DM2_DECK, DM2_MEMORY. */
+enum dm2_status deck_source_read(const char *path, const struct deck_roots *roots, struct deck_source *out,
+                                 struct dm2_error *err);
+/* The same without roots, but an included file is opened only if `may` is true for its name as it would be
+ * opened. DM2_IO where `may` is false. */
 enum dm2_status deck_source_read_some(const char *path, bool (*may)(void *context, const char *name),
                                       void *context, struct deck_source *out, struct dm2_error *err);
 void deck_source_free(struct deck_source *source);
