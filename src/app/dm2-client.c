@@ -20,7 +20,7 @@
 #include "run.h"
 #include "server_status.h"
 #include "signals.h"
-#include "streams.h"
+#include "process.h"
 
 static const char PROGRAM[] = "dm2-client";
 static const double STATUS_SECONDS = 10; /* for a server to answer --status */
@@ -142,6 +142,9 @@ static enum dm2_status decompose_domain(const struct client_command *c, const st
     enum dm2_status status = DM2_OK;
     *out = (struct decomposition){0};
     if (is_by_particles(c, run)) {
+        status = grid_check_memory(g, (double)g->cx * g->cy * (sizeof *counts + sizeof *out->owner), err);
+        if (status != DM2_OK)
+            return status;
         counts = mem_zalloc((size_t)g->cx * (size_t)g->cy, sizeof *counts);
         if (counts == NULL)
             return dm2_fail(err, DM2_MEMORY, "no memory for %d x %d cells", g->cx, g->cy);
@@ -395,6 +398,8 @@ static enum dm2_status run_deck(struct client_command *c, struct dm2_error *err)
         status = find_calibration(c, err);
     if (status == DM2_OK)
         status = run_load(&c->run, &run, err);
+    if (status == DM2_OK && servers.n == 0)
+        status = run_check_cells(&run, err);
     if (status == DM2_OK)
         status = decompose_domain(c, &run, choose_ranks(c, &run, &servers, active), &d, err);
     if (status == DM2_OK)
@@ -409,7 +414,7 @@ int main(int argc, char **argv)
 {
     struct client_command c;
     struct dm2_error err = {0};
-    streams_start();
+    process_start();
     enum dm2_status status = parse_command_line(&c, argc, argv, &err);
     if (status == DM2_OK && c.run.version)
         run_print_version(PROGRAM);
@@ -419,6 +424,6 @@ int main(int argc, char **argv)
     }
     option_list_free(&c.servers);
     run_options_free(&c.run);
-    return streams_finish(PROGRAM, status == DM2_OK ? 0 : run_report_failure(PROGRAM, &err),
+    return process_finish(PROGRAM, status == DM2_OK ? 0 : run_report_failure(PROGRAM, &err),
                           c.status || run_output_asked(&c.run));
 }

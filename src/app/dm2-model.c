@@ -5,7 +5,7 @@
 
 #include "dm2/base/version.h"
 #include "model_commands.h"
-#include "streams.h"
+#include "process.h"
 
 static const char PROGRAM[] = "dm2-model";
 
@@ -66,10 +66,10 @@ static enum dm2_status run_command(int argc, char **argv, struct dm2_error *err)
 int main(int argc, char **argv)
 {
     struct dm2_error err = {0};
-    streams_start();
+    process_start();
     enum dm2_status status = run_command(argc, argv, &err);
     if (status == DM2_OK)
-        return streams_finish(PROGRAM, 0, true);
+        return process_finish(PROGRAM, 0, true);
     (void)fprintf(stderr, "%s: %s\n", PROGRAM, err.text);
     if (status == DM2_USAGE)
         (void)fprintf(stderr, "%s --help tells how it is called\n", PROGRAM);

@@ -14,7 +14,7 @@
 #include "dm2/plot/picture.h"
 #include "dm2/plot/vtp_reader.h"
 #include "options.h"
-#include "streams.h"
+#include "process.h"
 
 enum { SERIES_MAX = 32 };
 
@@ -411,7 +411,7 @@ int main(int argc, char **argv)
     struct dm2_error err = {0};
     const char *command = argc > 1 ? argv[1] : "";
     enum dm2_status status = DM2_OK;
-    streams_start();
+    process_start();
     (void)signal(SIGXFSZ, SIG_IGN); /* an exceeded file size limit becomes an error of write */
     if (strcmp(command, "-h") == 0 || strcmp(command, "--help") == 0) {
         fputs(usage, stdout);
@@ -425,5 +425,5 @@ int main(int argc, char **argv)
         status = dm2_fail(&err, DM2_USAGE, "'%s' is no command; snapshot and chart are", command);
     if (status != DM2_OK)
         fprintf(stderr, "dm2-plot: %s\n%s", err.text, status == DM2_USAGE && command[0] == '\0' ? usage : "");
-    return streams_finish("dm2-plot", exit_status(status), true);
+    return process_finish("dm2-plot", exit_status(status), true);
 }

@@ -17,7 +17,7 @@
 #include "progress.h"
 #include "run.h"
 #include "signals.h"
-#include "streams.h"
+#include "process.h"
 
 static const char PROGRAM[] = "dm2-seq";
 
@@ -305,6 +305,8 @@ static enum dm2_status run_deck(const struct run_options *o, int cancel, struct 
     struct decomposition d = {0};
     enum dm2_status status = run_load(o, &run, err);
     if (status == DM2_OK)
+        status = run_check_cells(&run, err);
+    if (status == DM2_OK)
         status = decomposition_bisect(model_grid(run.model), 1, NULL, &d, err);
     if (status == DM2_OK && o->check) {
         status = run_print_check(stdout, o, &run, &d, NULL, err);
@@ -322,7 +324,7 @@ int main(int argc, char **argv)
     struct run_options options;
     struct option table[RUN_OPTIONS];
     struct dm2_error err = {0};
-    streams_start();
+    process_start();
     run_options_start(&options, PROGRAM, argc, argv, table);
     enum dm2_status status = options_parse(table, RUN_OPTIONS, argc, argv, &options.operands, &err);
     if (status == DM2_OK && options.help) {
@@ -336,6 +338,6 @@ int main(int argc, char **argv)
     if (status == DM2_OK && !options.help && !options.version)
         status = run_deck(&options, signals_catch(), &err);
     run_options_free(&options);
-    return streams_finish(PROGRAM, status == DM2_OK ? 0 : run_report_failure(PROGRAM, &err),
+    return process_finish(PROGRAM, status == DM2_OK ? 0 : run_report_failure(PROGRAM, &err),
                           run_output_asked(&options));
 }

@@ -19,7 +19,7 @@
 #include "options.h"
 #include "run.h"
 #include "signals.h"
-#include "streams.h"
+#include "process.h"
 
 static const char PROGRAM[] = "dm2-server";
 
@@ -159,12 +159,12 @@ int main(int argc, char **argv)
 {
     struct server_command c;
     struct dm2_error err = {0};
-    streams_start();
+    process_start();
     enum dm2_status status = parse_command_line(&c, argc, argv, &err);
     if (status == DM2_OK && c.version && !c.help)
         run_print_version(PROGRAM);
     if (status == DM2_OK && (c.help || c.version))
-        return streams_finish(PROGRAM, 0, true);
+        return process_finish(PROGRAM, 0, true);
     disable_core_dumps();
     if (status == DM2_OK && c.new_key != NULL) {
         status = auth_key_create(c.new_key, &err);

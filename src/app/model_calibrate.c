@@ -15,6 +15,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "dm2/base/mem.h"
 #include "dm2/base/version.h"
 #include "dm2/performance/calibration.h"
 #include "local_servers.h"
@@ -171,26 +172,30 @@ static enum dm2_status run_calibration(struct calibrate *c, struct dm2_error *er
 enum dm2_status model_calibrate_command(const char *argv0, int argc, char **argv, struct dm2_error *err)
 {
     enum { OWN = 3, ALL = OWN + SERVER_CHOICE_OPTIONS + SWEEP_OPTIONS };
-    struct calibrate c = {.turns = 50};
+    struct calibrate *c = mem_zalloc(1, sizeof *c); /* 56 kB, too much for a small stack */
+    if (c == NULL)
+        return dm2_fail(err, DM2_MEMORY, "no memory for a calibration");
+    c->turns = 50;
     struct option table[ALL] = {
-        {"file", 'f', OPTION_TEXT, &c.file, "FILE",
+        {"file", 'f', OPTION_TEXT, &c->file, "FILE",
          "what to write (default $DM2_CALIBRATION, ./dm2-calibration.csv)", 0, 0},
-        {"turns", 0, OPTION_INTEGER, &c.turns, "T", "round trips of each size (default 50)", 4,
+        {"turns", 0, OPTION_INTEGER, &c->turns, "T", "round trips of each size (default 50)", 4,
          NETWORK_TURNS},
-        {"help", 'h', OPTION_FLAG, &c.help, NULL, "prints this", 0, 0},
+        {"help", 'h', OPTION_FLAG, &c->help, NULL, "prints this", 0, 0},
     };
-    server_choice_start(&c.servers, table + OWN);
-    sweep_start(&c.sweep, table + OWN + SERVER_CHOICE_OPTIONS);
+    server_choice_start(&c->servers, table + OWN);
+    sweep_start(&c->sweep, table + OWN + SERVER_CHOICE_OPTIONS);
     enum dm2_status status =
-        server_choice_parse(&c.servers, table, ALL, argc, argv, &c.help,
+        server_choice_parse(&c->servers, table, ALL, argc, argv, &c->help,
                             "usage: dm2-model calibrate [options]\n"
                             "Measures this cluster: dm2-seq at several sizes, round trips to N servers.\n\n",
                             err);
-    if (status == DM2_OK && !c.help)
-        status = sweep_finish(&c.sweep, SIZES, (int)(sizeof SIZES / sizeof SIZES[0]), argv0, err);
-    if (status == DM2_OK && !c.help)
-        status = run_calibration(&c, err);
-    sweep_free(&c.sweep);
-    server_choice_free(&c.servers);
+    if (status == DM2_OK && !c->help)
+        status = sweep_finish(&c->sweep, SIZES, (int)(sizeof SIZES / sizeof SIZES[0]), argv0, err);
+    if (status == DM2_OK && !c->help)
+        status = run_calibration(c, err);
+    sweep_free(&c->sweep);
+    server_choice_free(&c->servers);
+    free(c);
     return status;
 }

@@ -12,7 +12,7 @@
 #include "dm2/engine/subdomain.h"
 #include "dm2/output/run_directory.h"
 #include "places.h"
-#include "streams.h"
+#include "process.h"
 
 void run_options_start(struct run_options *o, const char *program, int argc, char **argv,
                        struct option table[RUN_OPTIONS])
@@ -66,7 +66,7 @@ enum dm2_status run_options_finish(struct run_options *o, struct dm2_error *err)
     if (o->operands.n > 1)
         return dm2_fail(err, DM2_USAGE, "one deck is expected, and then '%s' is too much",
                         o->operands.items[1]);
-    if (streams_output_closed() && o->hash_every > 0)
+    if (process_output_closed() && o->hash_every > 0)
         return dm2_fail(
             err, DM2_USAGE,
             "--hash-every prints on standard output, which is closed: open it, or leave the option out");
@@ -217,6 +217,12 @@ void run_free(struct run *run)
     deck_source_free(&run->source);
     state_free(&run->state);
     *run = (struct run){0};
+}
+
+enum dm2_status run_check_cells(const struct run *run, struct dm2_error *err)
+{
+    const struct grid *g = model_grid(run->model);
+    return grid_check_memory(g, (double)g->cx * g->cy * (SUBDOMAIN_CELL_BYTES + sizeof(uint16_t)), err);
 }
 
 static char *directory_of(const char *path)

@@ -65,6 +65,9 @@ struct run {
 enum dm2_status run_load(const struct run_options *o, struct run *run, struct dm2_error *err);
 void run_free(struct run *run);
 
+/* Whether this machine has the memory for the cells of the whole domain: DM2_MEMORY. */
+enum dm2_status run_check_cells(const struct run *run, struct dm2_error *err);
+
 /* Opens the run directory of -o, or the default one: with --restart, the directory of the checkpoint. The
  * errors of results_open and results_continue. */
 enum dm2_status run_open_results(const struct run_options *o, const struct run *run, struct results **out,

@@ -153,7 +153,8 @@ enum dm2_status csv_read(const char *path, struct csv *out, struct dm2_error *er
     enum dm2_status status = file_read(path, CSV_BYTES_MAX, &bytes, &n, err);
     if (status != DM2_OK)
         return status;
-    status = csv_parse(path, (const char *)bytes, n, out, err);
+    size_t mark = text_mark((const char *)bytes, n);
+    status = csv_parse(path, (const char *)bytes + mark, n - mark, out, err);
     free(bytes);
     return status;
 }

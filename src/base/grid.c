@@ -4,6 +4,8 @@
 
 #include <math.h>
 
+#include "dm2/base/machine.h"
+
 static int cells_along(double size, double reach)
 {
     double most = floor(size / reach);
@@ -39,6 +41,18 @@ enum dm2_status grid_build(const double origin[2], const double size[2], const b
         out->periodic[a] = periodic[a];
     }
     return DM2_OK;
+}
+
+enum dm2_status grid_check_memory(const struct grid *g, double bytes, struct dm2_error *err)
+{
+    double most = machine_memory();
+    if (bytes <= most)
+        return DM2_OK;
+    return dm2_fail(
+        err, DM2_MEMORY,
+        "the domain has %d x %d cells of %.3g x %.3g cm, which take %.3g GB, and this process may have "
+        "%.3g GB: make the domain smaller, or r_c + delta_r, the length of a cell, larger",
+        g->cx, g->cy, g->lx, g->ly, 1e-9 * bytes, 1e-9 * most);
 }
 
 static int clamp_index(double at, int n)

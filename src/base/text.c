@@ -21,6 +21,12 @@ char *text_join(const char *a, const char *b, const char *c)
     return text;
 }
 
+size_t text_mark(const char *text, size_t n)
+{
+    static const char mark[] = "\xef\xbb\xbf";
+    return n >= sizeof mark - 1 && memcmp(text, mark, sizeof mark - 1) == 0 ? sizeof mark - 1 : 0;
+}
+
 size_t text_printable(const char *s, size_t left)
 {
     unsigned char c = (unsigned char)s[0];

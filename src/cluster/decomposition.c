@@ -13,6 +13,10 @@ static enum dm2_status allocate_arrays(const struct grid *grid, int ranks, struc
                                        struct dm2_error *err)
 {
     *out = (struct decomposition){.grid = *grid, .ranks = ranks};
+    double cells = (double)grid->cx * grid->cy;
+    enum dm2_status status = grid_check_memory(grid, cells * sizeof *out->owner, err);
+    if (status != DM2_OK)
+        return status;
     out->rect = mem_zalloc((size_t)ranks, sizeof *out->rect);
     out->owner = mem_zalloc((size_t)grid->cx * (size_t)grid->cy, sizeof *out->owner);
     if (out->rect != NULL && out->owner != NULL)

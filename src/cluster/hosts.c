@@ -10,6 +10,7 @@
 #include "dm2/base/file.h"
 #include "dm2/base/mem.h"
 #include "dm2/base/number.h"
+#include "dm2/base/text.h"
 #include "dm2/cluster/messages.h"
 
 enum { FILE_MOST = 1024 * 1024 }; /* bytes of a hosts file */
@@ -174,7 +175,7 @@ enum dm2_status hosts_read(const char *path, struct endpoints *list, struct dm2_
     enum dm2_status status =
         memchr(text, '\0', n) != NULL
             ? dm2_fail(err, DM2_USAGE, "%s is not a text file: it holds a NUL byte", path)
-            : hosts_parse(path, (const char *)text, list, err);
+            : hosts_parse(path, (const char *)text + text_mark((const char *)text, n), list, err);
     free(text);
     return status;
 }

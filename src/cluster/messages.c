@@ -84,6 +84,7 @@ void message_get_deck(struct bytes_reader *r, struct deck_message *m)
     s->steps = bytes_get_i64(r);
     require(r, s->steps >= -1);
     size_t n = bytes_get_count(r, 4);
+    require(r, n <= DECK_MAX_DEFINES);
     s->defines = r->failed ? NULL : mem_zalloc(n, sizeof *s->defines);
     require(r, s->defines != NULL);
     for (; s->n_defines < n && !r->failed; s->n_defines++)

@@ -2,8 +2,10 @@
  * two. Each finding is at the block that decides the keyword in question. A finding that several pairs share
  * appears once, because equal findings at one place are one finding. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "dm2/base/mem.h"
 #include "check.h"
 
 struct pair_check {
@@ -205,16 +207,20 @@ static bool meet_across_bodies(const struct usage *u, size_t m, size_t n)
 
 void check_materials(const struct deck_binding *b)
 {
-    struct usage u;
-    memset(&u, 0, sizeof u);
-    count_usage(b->config, &u);
+    struct usage *u = mem_zalloc(1, sizeof *u); /* 70 kB, too much for a small stack */
+    if (u == NULL) {
+        b->findings->no_memory = true;
+        return;
+    }
+    count_usage(b->config, u);
     for (size_t m = 0; m < b->config->n_materials; m++) {
         check_material(b, m);
         for (size_t n = 0; n <= m && !b->findings->more_errors; n++) {
-            if (u.together[m][n])
+            if (u->together[m][n])
                 check_pair(b, (int)n, (int)m, RELATION_SAME_GRAIN);
-            if (meet_across_bodies(&u, m, n))
+            if (meet_across_bodies(u, m, n))
                 check_pair(b, (int)n, (int)m, RELATION_OTHER_BODY);
         }
     }
+    free(u);
 }

@@ -6,6 +6,7 @@
  * unit. The lexer uses no other meaning of words. */
 #include "lex.h"
 
+#include <stdint.h>
 #include <string.h>
 
 #include "dm2/base/mem.h"
@@ -135,13 +136,87 @@ static bool lex_string(struct lexer *lex)
     return push_token(lex, TOKEN_BAD, from, to);
 }
 
+/* Characters of web pages and text processors that stand for one of ASCII, or are not seen. */
+static const struct lookalike {
+    uint32_t code;
+    const char *name, *remedy;
+} lookalikes[] = {
+    {0x00a0, "a no-break space", "put an ordinary blank"},
+    {0x00ad, "a soft hyphen", "take it out"},
+    {0x00b2, "a superscript two", "put ^2"},
+    {0x00b3, "a superscript three", "put ^3"},
+    {0x00b5, "a micro sign", "put u, as in us"},
+    {0x00b7, "a middle dot", "put *"},
+    {0x00d7, "a multiplication sign", "put *"},
+    {0x03bc, "a Greek mu", "put u, as in us"},
+    {0x2010, "a hyphen", "put an ordinary -"},
+    {0x2011, "a no-break hyphen", "put an ordinary -"},
+    {0x2012, "a figure dash", "put an ordinary -"},
+    {0x2013, "an en dash", "put an ordinary -"},
+    {0x2014, "an em dash", "put an ordinary -"},
+    {0x2018, "a typographic quote", "put an ordinary \""},
+    {0x2019, "a typographic quote", "put an ordinary \""},
+    {0x201a, "a typographic quote", "put an ordinary \""},
+    {0x201c, "a typographic quote", "put an ordinary \""},
+    {0x201d, "a typographic quote", "put an ordinary \""},
+    {0x201e, "a typographic quote", "put an ordinary \""},
+    {0x00ab, "a typographic quote", "put an ordinary \""},
+    {0x00bb, "a typographic quote", "put an ordinary \""},
+    {0x200b, "a zero-width space", "take it out"},
+    {0x200c, "a zero-width character", "take it out"},
+    {0x200d, "a zero-width character", "take it out"},
+    {0x2028, "a line separator", "put an ordinary line end"},
+    {0x2029, "a paragraph separator", "put an ordinary line end"},
+    {0x202f, "a narrow no-break space", "put an ordinary blank"},
+    {0x2060, "a word joiner", "take it out"},
+    {0x2212, "a minus sign", "put an ordinary -"},
+    {0x3000, "an ideographic space", "put an ordinary blank"},
+    {0xfeff, "a byte order mark", "take it out"},
+};
+
+/* The code point of `n` bytes of UTF-8; 0 where they are none. */
+static uint32_t code_point(const char *text, size_t n)
+{
+    static const unsigned char lead[] = {0, 0, 0xc0, 0xe0, 0xf0};
+    unsigned char c = (unsigned char)text[0];
+    if (n < 2 || n > 4 || (c & (0xff00u >> (n + 1)) & 0xff) != lead[n])
+        return 0;
+    uint32_t code = c & (0xffu >> (n + 1));
+    for (size_t i = 1; i < n; i++)
+        code = code << 6 | ((unsigned char)text[i] & 0x3fu);
+    return code;
+}
+
+/* Reports a character outside ASCII: by name where a lookalike of ASCII is known, else as such. */
+static void report_character(const struct lexer *lex, struct deck_place all)
+{
+    uint32_t code = code_point(lex->text + all.offset, all.length);
+    struct place_text text;
+    for (size_t k = 0; k < sizeof lookalikes / sizeof lookalikes[0]; k++)
+        if (lookalikes[k].code == code) {
+            findings_error(lex->findings, all, "%s (U+%04X) is no part of a deck: %s", lookalikes[k].name,
+                           (unsigned)code, lookalikes[k].remedy);
+            return;
+        }
+    if (code >= 0x2000 && code <= 0x200a)
+        findings_error(lex->findings, all, "a typographic space (U+%04X): put an ordinary blank",
+                       (unsigned)code);
+    else if (code == 0)
+        findings_error(lex->findings, all,
+                       "a byte %02X (hexadecimal) that is no UTF-8: save the file as plain text, UTF-8",
+                       (unsigned char)lex->text[all.offset]);
+    else
+        findings_error(lex->findings, all,
+                       "outside comments and strings a deck is plain ASCII, without '%s' (U+%04X)",
+                       place_text(lex->findings->source, all, &text), (unsigned)code);
+}
+
 static bool lex_bad_byte(struct lexer *lex)
 {
     size_t from = lex->at, to = from + 1;
     unsigned char c = (unsigned char)lex->text[from];
-    while (to < lex->length && ((unsigned char)lex->text[to] & 0xc0u) == 0x80u && c >= 0x80)
+    while (to < lex->length && to < from + 4 && ((unsigned char)lex->text[to] & 0xc0u) == 0x80u && c >= 0xc0)
         to++;
-    struct place_text text;
     struct deck_place all = place_of(lex, from, to);
     if (lex->bad_byte_reported)
         return push_token(lex, TOKEN_BAD, from, to);
@@ -151,8 +226,7 @@ static bool lex_bad_byte(struct lexer *lex)
     else if (c < 0x20 || c == 0x7f)
         findings_error(lex->findings, all, "a control character (code %d) is no part of a deck", c);
     else if (c >= 0x80)
-        findings_error(lex->findings, all, "outside comments and strings a deck is plain ASCII, without '%s'",
-                       place_text(lex->findings->source, all, &text));
+        report_character(lex, all);
     else
         findings_error(lex->findings, all, "'%c' has no meaning in a deck", c);
     return push_token(lex, TOKEN_BAD, from, to);

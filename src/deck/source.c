@@ -12,6 +12,7 @@
 
 #include "dm2/base/file.h"
 #include "dm2/base/mem.h"
+#include "dm2/base/text.h"
 #include "dm2/deck/deck.h"
 #include "lex.h"
 
@@ -140,6 +141,36 @@ struct reading {
     const struct deck_roots *roots; /* NULL: files are looked for beside the including file alone */
 };
 
+static bool begins_with(const struct deck_text *t, const char *bytes, size_t n)
+{
+    return t->length >= n && memcmp(t->text, bytes, n) == 0;
+}
+
+/* The encoding of a text that is not UTF-8, found by its byte order mark or by NUL in every second of its
+ * first bytes; NULL: none. */
+static const char *foreign_encoding(const struct deck_text *t)
+{
+    if (begins_with(t, "\xff\xfe\0", 4) || begins_with(t, "\0\0\xfe\xff", 4))
+        return "UTF-32";
+    if (begins_with(t, "\xff\xfe", 2) || begins_with(t, "\xfe\xff", 2))
+        return "UTF-16";
+    bool first = t->length >= 4 && t->text[0] == '\0' && t->text[2] == '\0',
+         second = t->length >= 4 && t->text[1] == '\0' && t->text[3] == '\0';
+    return first != second ? "UTF-16" : NULL;
+}
+
+/* Takes the byte order mark of UTF-8 off, and turns a CR that no LF follows into the LF which it stands for,
+ * so that comments end and lines count as in an editor. */
+static void clean_text(struct deck_text *t)
+{
+    size_t mark = text_mark(t->text, t->length);
+    t->length -= mark;
+    memmove(t->text, t->text + mark, t->length + 1);
+    for (size_t i = 0; i < t->length; i++)
+        if (t->text[i] == '\r' && t->text[i + 1] != '\n')
+            t->text[i] = '\n';
+}
+
 /* Reads a file and appends its text to the source. The source owns `name` afterwards, also on failure. `by`
  * begins the message of a failure: the place of the include. */
 static enum dm2_status add_file(struct reading *reading, char *name, const char *by, struct dm2_error *err)
@@ -156,6 +187,11 @@ static enum dm2_status add_file(struct reading *reading, char *name, const char 
     unsigned char *bytes = NULL;
     enum dm2_status status = file_read(name, reading->room, &bytes, &text.length, err);
     text.text = (char *)bytes;
+    const char *encoding = status == DM2_OK ? foreign_encoding(&text) : NULL;
+    if (encoding != NULL)
+        status = dm2_fail(err, DM2_DECK, "%s: the file is %s: save it as plain text, UTF-8", name, encoding);
+    else if (status == DM2_OK)
+        clean_text(&text);
     if (status != DM2_OK && err != NULL && by[0] != '\0') {
         struct dm2_error why = *err;
         (void)dm2_fail(err, status, "%s%s", by, why.text);

@@ -39,6 +39,13 @@ enum dm2_status cells_build(struct cells *c, const struct domain_map *map, int r
 {
     int total = map->grid->cx * map->grid->cy;
     *c = (struct cells){0};
+    size_t n_own = 0;
+    for (int cell = 0; cell < total; cell++)
+        n_own += map->owner[cell] == rank;
+    enum dm2_status status =
+        grid_check_memory(map->grid, CELLS_BYTES * (double)total + CELLS_OWN_BYTES * (double)n_own, err);
+    if (status != DM2_OK)
+        return status;
     c->local_of = mem_alloc((size_t)total, sizeof *c->local_of);
     c->seen_by = mem_alloc((size_t)total, sizeof *c->seen_by);
     if (c->local_of == NULL || c->seen_by == NULL)
@@ -48,7 +55,7 @@ enum dm2_status cells_build(struct cells *c, const struct domain_map *map, int r
     c->global_of = mem_alloc(seen, sizeof *c->global_of);
     c->start = mem_zalloc((size_t)c->n_own + 1, sizeof *c->start);
     c->ring_start = mem_alloc((size_t)c->n_own + 1, sizeof *c->ring_start);
-    c->ring = mem_alloc((size_t)c->n_own * 8, sizeof *c->ring);
+    c->ring = mem_alloc((size_t)c->n_own, 8 * sizeof *c->ring);
     c->mirror_start = mem_zalloc((size_t)c->n_mirrored + 1, sizeof *c->mirror_start);
     if (c->global_of == NULL || c->start == NULL || c->ring_start == NULL || c->ring == NULL ||
         c->mirror_start == NULL)
@@ -96,7 +103,8 @@ void cells_free(struct cells *c)
 size_t cells_bytes(const struct cells *c, const struct domain_map *map)
 {
     size_t total = (size_t)map->grid->cx * (size_t)map->grid->cy;
-    return total * 5 + (size_t)c->n_own * 44 + (size_t)c->n_mirrored * 8 + c->mirror_cap * 4;
+    return total * CELLS_BYTES + (size_t)c->n_own * CELLS_OWN_BYTES + (size_t)c->n_mirrored * 8 +
+           c->mirror_cap * 4;
 }
 
 int cells_assign_mirrored(struct cells *c, const struct particles *p, const int32_t *cell_of)

@@ -12,6 +12,7 @@
 
 #include "dm2/base/status.h"
 #include "dm2/engine/domain_map.h"
+#include "dm2/engine/subdomain.h"
 #include "particles.h"
 
 struct cells {
@@ -28,7 +29,11 @@ struct cells {
     uint8_t *seen_by; /* [global cell] 1: a rank other than the owner mirrors the cell */
 };
 
-/* Finds the cells that `rank` owns and mirrors, all of them empty. DM2_MEMORY. */
+/* Memory for a cell of the grid, and more for a cell that is own, bytes. */
+enum { CELLS_BYTES = 5, CELLS_OWN_BYTES = SUBDOMAIN_CELL_BYTES - CELLS_BYTES };
+
+/* Finds the cells that `rank` owns and mirrors, all of them empty. DM2_MEMORY, before any memory is taken
+ * where this process may not have as much. */
 enum dm2_status cells_build(struct cells *cells, const struct domain_map *map, int rank,
                             struct dm2_error *err);
 void cells_free(struct cells *cells);

@@ -22,6 +22,10 @@ struct grid {
 enum dm2_status grid_build(const double origin[2], const double size[2], const bool periodic[2], double reach,
                            struct grid *out, struct dm2_error *err);
 
+/* Whether this process may have `bytes` of memory for the grid: DM2_MEMORY, with both numbers, where not
+ * (dm2/base/machine.h). To be asked before the memory is taken. */
+enum dm2_status grid_check_memory(const struct grid *g, double bytes, struct dm2_error *err);
+
 /* The cell of a position, cm. Elements outside the grid belong to the nearest edge cell. */
 int grid_cell(const struct grid *g, double x, double y);
 

@@ -18,6 +18,9 @@ struct deck_text {
     size_t length;
 };
 
+/* The most definitions of the command line. */
+enum { DECK_MAX_DEFINES = 1000 };
+
 /* A deck as client and servers exchange it: all texts, and the options of the command line that change the
  * deck. */
 struct deck_source {

@@ -34,6 +34,9 @@
 #include "dm2/engine/profile.h"
 #include "dm2/engine/rebuild.h"
 
+/* The memory that a subdomain takes for each of its cells, beside its elements, bytes. */
+enum { SUBDOMAIN_CELL_BYTES = 49 };
+
 struct subdomain;
 
 /* Generates the elements that `rank` owns or mirrors, links them and builds the lists: the state of step 0.
