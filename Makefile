@@ -129,7 +129,7 @@ $(BUILD)/failing/%-server: $(BUILD)/src/app/dm2-server.o $(BUILD)/tests/failing/
 	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) -Wl,--wrap=$(WRAP) -o $@ $^ $(LDLIBS)
 
 # Programs whose system calls fail when they are told to (tests/failing/failing.c).
-WRAPPED := malloc calloc realloc posix_memalign open write fsync rename read writev poll socket accept connect pipe fork
+WRAPPED := malloc calloc realloc posix_memalign open write fsync rename link fcntl read writev poll socket accept connect pipe fork
 $(BUILD)/failing/%: $(BUILD)/src/app/%.o $(BUILD)/tests/failing/failing.o $(BUILD)/libdm2.a
 	$(Q)mkdir -p $(@D)
 	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) $(WRAPPED:%=-Wl,--wrap=%) -o $@ $^ $(LDLIBS)

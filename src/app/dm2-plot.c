@@ -95,7 +95,8 @@ static enum dm2_status snapshot_command(int argc, char **argv, struct dm2_error 
 {
     struct plot_arguments a = {.width = 900};
     const struct option table[] = {
-        {"output", 'o', OPTION_TEXT, &a.out, "OUT.svg", "where to write; default FILE.svg here", 0, 0},
+        {"output", 'o', OPTION_TEXT, &a.out, "OUT.svg",
+         "where to write, - for standard output; default FILE.svg here", 0, 0},
         {"colour", 'c', OPTION_TEXT, &a.colour, "WHAT",
          "what colours the elements, see below; default material", 0, 0},
         {"links", 0, OPTION_FLAG, &a.links, NULL, "draw the links", 0, 0},
@@ -127,7 +128,7 @@ static enum dm2_status snapshot_command(int argc, char **argv, struct dm2_error 
         status = picture_write(out, &vtp, &options, err);
         vtp_free(&vtp);
     }
-    if (status == DM2_OK)
+    if (status == DM2_OK && strcmp(out, "-") != 0)
         printf("%s\n", out);
     free(own);
     return status;
@@ -347,7 +348,8 @@ static enum dm2_status chart_command(int argc, char **argv, struct dm2_error *er
 {
     struct plot_arguments a = {.width = 760};
     const struct option table[] = {
-        {"output", 'o', OPTION_TEXT, &a.out, "OUT.svg", "where to write; default FILE.svg here", 0, 0},
+        {"output", 'o', OPTION_TEXT, &a.out, "OUT.svg",
+         "where to write, - for standard output; default FILE.svg here", 0, 0},
         {"x", 'x', OPTION_TEXT, &a.x, "COLUMN", "the column across; required", 0, 0},
         {"y", 'y', OPTION_TEXT, &a.y, "COLUMN,...", "the columns to draw; required", 0, 0},
         {"by", 'b', OPTION_TEXT, &a.by, "COLUMN", "a curve for each value of this column, as in profiles", 0,
@@ -390,7 +392,7 @@ static enum dm2_status chart_command(int argc, char **argv, struct dm2_error *er
         status = dm2_fail(err, DM2_MEMORY, "no memory for a file name");
     else
         status = draw_chart(&csv, &a, list, dashed, out, err);
-    if (status == DM2_OK)
+    if (status == DM2_OK && strcmp(out, "-") != 0)
         printf("%s\n", out);
     free(own);
     free(list);

@@ -15,6 +15,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "dm2/base/file.h"
 #include "dm2/base/mem.h"
 #include "dm2/base/version.h"
 #include "dm2/performance/calibration.h"
@@ -155,9 +156,15 @@ static enum dm2_status run_calibration(struct calibrate *c, struct dm2_error *er
                                                            : CALIBRATION_FILE;
     if (gethostname(out.host, sizeof out.host - 1) != 0)
         return dm2_fail(err, DM2_IO, "this machine's host name cannot be found out");
+    bool absent;
+    if (strcmp(path, "-") == 0)
+        return dm2_fail(err, DM2_USAGE, "--file -: standard output has the measurements: name a file");
+    enum dm2_status status = file_check_name(path, &absent, err);
+    if (status != DM2_OK)
+        return status;
     c->sweep.cancel = signals_catch();
     c->sweep.servers = &c->servers;
-    enum dm2_status status = measure_k(c, &out, err);
+    status = measure_k(c, &out, err);
     if (status == DM2_OK)
         status = measure_network(c, &out, err);
     if (status == DM2_OK)

@@ -267,6 +267,8 @@ enum dm2_status run_open_results(const struct run_options *o, const struct run *
                                   run->digest, out, err);
     else
         status = results_open(directory, o->overwrite, &run->config, scales, run->digest, out, err);
+    if (status == DM2_OK && results_warning(*out)[0] != '\0')
+        (void)fprintf(stderr, "%s: warning: %s: %s\n", o->program, directory, results_warning(*out));
     if (status == DM2_OK && o->restart != NULL && results_checkpoint_step(*out) == run->state.step)
         status = promote_checkpoint(o->restart, own, err);
     free(own);

@@ -18,8 +18,8 @@ static void on_signal(int signal_number)
     if (caught == 0) {
         caught = signal_number;
         ssize_t ignored = write((int)wake, "", 1);
-        (void)ignored; /* a full pipe is readable as well */
-    } else {
+        (void)ignored;                     /* a full pipe is readable as well */
+    } else if (signal_number != SIGXCPU) { /* the system repeats SIGXCPU every second */
         (void)signal(signal_number,
                      SIG_DFL); /* a second signal ends the program as soon as this handler returns */
         (void)raise(signal_number);
@@ -35,7 +35,7 @@ static int set_nonblocking(int fd)
 
 int signals_catch(void)
 {
-    static const int asking[] = {SIGINT, SIGTERM, SIGHUP};
+    static const int asking[] = {SIGINT, SIGTERM, SIGHUP, SIGXCPU};
     struct sigaction action, before;
     int fd[2];
     memset(&action, 0, sizeof action);

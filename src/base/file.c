@@ -29,6 +29,37 @@ static void clear(struct file_out *f)
     f->fd = -1;
 }
 
+/* What a name is that is no plain file. */
+static const char *kind_of(mode_t mode)
+{
+    return S_ISLNK(mode)                    ? "a symbolic link"
+           : S_ISFIFO(mode)                 ? "a FIFO"
+           : S_ISDIR(mode)                  ? "a directory"
+           : S_ISCHR(mode) || S_ISBLK(mode) ? "a device"
+                                            : "a socket";
+}
+
+enum dm2_status file_check_name(const char *path, bool *absent, struct dm2_error *err)
+{
+    struct stat info;
+    *absent = lstat(path, &info) != 0;
+    if (*absent || S_ISREG(info.st_mode))
+        return DM2_OK;
+    return dm2_fail(
+        err, DM2_USAGE,
+        "%s: is %s, and results are written to plain files alone: name another file, or move it away", path,
+        kind_of(info.st_mode));
+}
+
+enum dm2_status file_check_directory(const char *path, struct dm2_error *err)
+{
+    struct stat info;
+    if (lstat(path, &info) != 0 || S_ISDIR(info.st_mode))
+        return DM2_OK;
+    return dm2_fail(err, DM2_USAGE, "%s: is %s, and a directory is expected: move it away", path,
+                    S_ISREG(info.st_mode) ? "a file" : kind_of(info.st_mode));
+}
+
 static enum dm2_status fail_at(const struct file_out *f, const char *what, int error, struct dm2_error *err)
 {
     return dm2_fail(err, DM2_IO, "%s: cannot %s: %s", f->path, what, strerror(error));
@@ -50,16 +81,22 @@ static enum dm2_status prepare(struct file_out *f, const char *path, struct dm2_
 
 enum dm2_status file_create(struct file_out *f, const char *path, struct dm2_error *err)
 {
-    enum dm2_status prepared = prepare(f, path, err);
+    bool absent;
+    enum dm2_status prepared = file_check_name(path, &absent, err);
+    if (prepared == DM2_OK)
+        prepared = prepare(f, path, err);
+    else
+        memset(f, 0, sizeof *f);
     if (prepared != DM2_OK)
         return prepared;
+    f->is_new = absent;
     if (unlink(f->part) != 0 && errno != ENOENT) {
         enum dm2_status status = fail_at(f, "replace its .part file", errno, err);
         clear(f);
         return status;
     }
-    /* O_EXCL: open fails on a symbolic link that another program put there. */
-    f->fd = open(f->part, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    /* O_EXCL: open fails on whatever another program puts there meanwhile. */
+    f->fd = open(f->part, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
     if (f->fd < 0) {
         enum dm2_status status = fail_at(f, "create", errno, err);
         clear(f);
@@ -68,12 +105,31 @@ enum dm2_status file_create(struct file_out *f, const char *path, struct dm2_err
     return DM2_OK;
 }
 
+enum dm2_status file_create_output(struct file_out *f, struct dm2_error *err)
+{
+    enum dm2_status status = prepare(f, "standard output", err);
+    free(f->part);
+    f->part = NULL;
+    f->fd = status == DM2_OK ? STDOUT_FILENO : -1;
+    return status;
+}
+
 enum dm2_status file_reopen(struct file_out *f, const char *path, size_t keep, struct dm2_error *err)
 {
-    enum dm2_status status = prepare(f, path, err);
+    bool absent;
+    memset(f, 0, sizeof *f);
+    enum dm2_status status = file_check_name(path, &absent, err);
+    if (status == DM2_OK)
+        status = prepare(f, path, err);
     if (status != DM2_OK)
         return status;
-    f->fd = open(f->part, O_WRONLY | O_CLOEXEC | O_NOFOLLOW);
+    f->is_new = absent;
+    status = file_check_name(f->part, &absent, err);
+    if (status != DM2_OK) {
+        clear(f);
+        return status;
+    }
+    f->fd = open(f->part, O_WRONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
     if (f->fd < 0 || ftruncate(f->fd, (off_t)keep) != 0 || lseek(f->fd, 0, SEEK_END) != (off_t)keep) {
         status = fail_at(f, "take up its .part file", errno, err);
         file_suspend(f);
@@ -168,10 +224,33 @@ static int sync_directory_of(const char *path)
     return error;
 }
 
+/* Gives the temporary file its final name. A name that was new at the start is made by link, which never
+ * replaces what another program has put there since; where the file system has no links, and for a name that
+ * was a file at the start, by rename, which follows no link. */
+static enum dm2_status give_name(struct file_out *f, struct dm2_error *err)
+{
+    bool absent;
+    enum dm2_status status = file_check_name(f->path, &absent, err);
+    if (status != DM2_OK)
+        return status;
+    if (f->is_new) {
+        if (link(f->part, f->path) == 0)
+            return unlink(f->part) == 0 ? DM2_OK : fail_at(f, "remove its .part file", errno, err);
+        if (errno == EEXIST)
+            return dm2_fail(
+                err, DM2_IO,
+                "%s: has come into being while it was written here, and is not replaced: move it away",
+                f->path);
+        if (errno != EPERM && errno != EOPNOTSUPP && errno != ENOTSUP && errno != ENOSYS && errno != EMLINK)
+            return fail_at(f, "rename its .part file", errno, err);
+    }
+    return rename(f->part, f->path) == 0 ? DM2_OK : fail_at(f, "rename its .part file", errno, err);
+}
+
 enum dm2_status file_commit(struct file_out *f, struct dm2_error *err)
 {
     enum dm2_status status = file_flush(f, err);
-    if (status != DM2_OK) {
+    if (status != DM2_OK || f->part == NULL) {
         file_abandon(f);
         return status;
     }
@@ -187,8 +266,8 @@ enum dm2_status file_commit(struct file_out *f, struct dm2_error *err)
         file_abandon(f);
         return status;
     }
-    if (rename(f->part, f->path) != 0) {
-        status = fail_at(f, "rename its .part file", errno, err);
+    status = give_name(f, err);
+    if (status != DM2_OK) {
         file_abandon(f);
         return status;
     }
@@ -220,6 +299,12 @@ void file_suspend(struct file_out *f)
 
 enum dm2_status file_rename(const char *from, const char *to, struct dm2_error *err)
 {
+    bool absent;
+    enum dm2_status status = file_check_name(from, &absent, err);
+    if (status == DM2_OK)
+        status = file_check_name(to, &absent, err);
+    if (status != DM2_OK)
+        return status;
     if (rename(from, to) != 0)
         return dm2_fail(err, DM2_IO, "%s: cannot rename it to %s: %s", from, to, strerror(errno));
     int error = sync_directory_of(to);
@@ -250,9 +335,11 @@ void file_abandon(struct file_out *f)
 {
     if (f->path == NULL)
         return;
-    if (f->fd >= 0)
-        close(f->fd);
-    unlink(f->part);
+    if (f->part != NULL) {
+        if (f->fd >= 0)
+            close(f->fd);
+        unlink(f->part);
+    }
     clear(f);
 }
 

@@ -20,11 +20,13 @@
 #include "fragments.h"
 #include "history.h"
 #include "resume.h"
+#include "run_lock.h"
 #include "snapshot.h"
 
 struct results {
     char *directory;
     bool made_directory, made_snapshots; /* by this run */
+    struct run_lock lock;
     const struct config *config;
     struct measure_scales scales;
     uint8_t digest[RESULTS_DIGEST_BYTES];
@@ -39,6 +41,11 @@ struct results {
 const char *results_directory(const struct results *r)
 {
     return r->directory;
+}
+
+const char *results_warning(const struct results *r)
+{
+    return r->lock.warning;
 }
 
 /* --- tables --- */
@@ -159,6 +166,8 @@ static enum dm2_status write_snapshot(struct results *r, const struct snapshot *
     bool made;
     enum dm2_status status = file_make_directory(directory, &made, err);
     r->made_snapshots |= made;
+    if (status == DM2_OK && !made)
+        status = file_check_directory(directory, err);
     if (status == DM2_OK && r->config->output.vtp) {
         status = write_snapshot_file(directory, "vtp", s, err);
         if (status == DM2_OK)
@@ -229,6 +238,7 @@ enum dm2_status results_text(struct results *r, const char *name, const char *te
 
 static void free_results(struct results *r)
 {
+    run_lock_release(&r->lock);
     free(r->directory);
     free(r->series.items);
     free(r);
@@ -271,7 +281,7 @@ enum dm2_status results_open(const char *directory, bool overwrite, const struct
     *out = NULL;
     if (status != DM2_OK)
         return status;
-    status = run_directory_prepare(r->directory, overwrite, &r->made_directory, err);
+    status = run_directory_prepare(r->directory, overwrite, &r->made_directory, &r->lock, err);
     char *path = NULL;
     if (status == DM2_OK && (path = text_join(directory, "/", "history.csv")) == NULL)
         status = run_directory_no_memory(err);
@@ -316,9 +326,11 @@ enum dm2_status results_continue(const char *directory, bool overwrite, const ch
         return status;
     bool in_place = resume_in_place(directory, source);
     if (in_place)
-        r->checkpoint_step = step;
+        status = run_directory_retake(r->directory, &r->lock, err);
     else
-        status = run_directory_prepare(r->directory, overwrite, &r->made_directory, err);
+        status = run_directory_prepare(r->directory, overwrite, &r->made_directory, &r->lock, err);
+    if (in_place)
+        r->checkpoint_step = step;
     if (status == DM2_OK)
         status = resume_tables(r->directory, source, config, step, in_place, &r->tables, err);
     if (status == DM2_OK)
@@ -406,6 +418,7 @@ void results_abort(struct results *r)
     if (snapshots != NULL && r->made_snapshots)
         (void)rmdir(snapshots); /* both rmdir fail on a directory that holds complete files, as they should */
     free(snapshots);
+    run_lock_release(&r->lock);
     if (r->made_directory)
         (void)rmdir(r->directory);
     free_results(r);

@@ -10,6 +10,7 @@
 
 #include "dm2/base/file.h"
 #include "dm2/base/text.h"
+#include "run_lock.h"
 
 const char run_directory_snapshots[] = "snapshots";
 const char run_directory_series[] = "series.pvd";
@@ -75,23 +76,36 @@ static bool is_profile_file(const char *name)
     return n > 0 && (strcmp(name + 8 + n, ".csv") == 0 || strcmp(name + 8 + n, ".csv.part") == 0);
 }
 
-static enum dm2_status remove_file(const char *directory, const char *name, const char *suffix,
-                                   struct dm2_error *err)
+/* What is done to each file of a run. */
+typedef enum dm2_status (*file_action)(const char *path, struct dm2_error *err);
+
+static enum dm2_status check_file(const char *path, struct dm2_error *err)
+{
+    bool absent;
+    return file_check_name(path, &absent, err);
+}
+
+static enum dm2_status remove_file(const char *path, struct dm2_error *err)
+{
+    if (unlink(path) != 0 && errno != ENOENT)
+        return dm2_fail(err, DM2_IO, "%s: cannot remove the file of an earlier run: %s", path,
+                        strerror(errno));
+    return DM2_OK;
+}
+
+static enum dm2_status visit_file(const char *directory, const char *name, const char *suffix,
+                                  file_action action, struct dm2_error *err)
 {
     char *path = text_join(directory, "/", name), *full = path == NULL ? NULL : text_join(path, suffix, "");
-    enum dm2_status status = DM2_OK;
-    if (full == NULL)
-        status = run_directory_no_memory(err);
-    else if (unlink(full) != 0 && errno != ENOENT)
-        status =
-            dm2_fail(err, DM2_IO, "%s: cannot remove the file of an earlier run: %s", full, strerror(errno));
+    enum dm2_status status = full == NULL ? run_directory_no_memory(err) : action(full, err);
     free(path);
     free(full);
     return status;
 }
 
-/* Removes the files of a directory whose names `ours` accepts. An absent directory is empty. */
-static enum dm2_status remove_files(const char *path, bool (*ours)(const char *name), struct dm2_error *err)
+/* Visits the files of a directory whose names `ours` accepts. An absent directory is empty. */
+static enum dm2_status visit_files(const char *path, bool (*ours)(const char *name), file_action action,
+                                   struct dm2_error *err)
 {
     DIR *dir = opendir(path);
     enum dm2_status status = DM2_OK;
@@ -100,34 +114,44 @@ static enum dm2_status remove_files(const char *path, bool (*ours)(const char *n
     const struct dirent *entry;
     while (dir != NULL && status == DM2_OK && (entry = readdir(dir)) != NULL)
         if (ours(entry->d_name))
-            status = remove_file(path, entry->d_name, "", err);
+            status = visit_file(path, entry->d_name, "", action, err);
     if (dir != NULL)
         closedir(dir);
     return status;
 }
 
-static enum dm2_status remove_snapshots(const char *directory, struct dm2_error *err)
+/* Visits all files that a run has written or may write. */
+static enum dm2_status visit_run(const char *directory, file_action action, struct dm2_error *err)
 {
-    char *path = text_join(directory, "/", run_directory_snapshots);
-    if (path == NULL)
+    enum dm2_status status = DM2_OK;
+    for (size_t i = 0; status == DM2_OK && i < sizeof known_files / sizeof known_files[0]; i++) {
+        status = visit_file(directory, known_files[i], "", action, err);
+        if (status == DM2_OK)
+            status = visit_file(directory, known_files[i], ".part", action, err);
+    }
+    if (status == DM2_OK)
+        status = visit_files(directory, is_profile_file, action, err);
+    char *snapshots = text_join(directory, "/", run_directory_snapshots);
+    if (snapshots == NULL)
         return run_directory_no_memory(err);
-    enum dm2_status status = remove_files(path, is_snapshot_file, err);
-    (void)rmdir(path); /* a directory with files of other origin stays */
-    free(path);
+    if (status == DM2_OK)
+        status = file_check_directory(snapshots, err);
+    if (status == DM2_OK)
+        status = visit_files(snapshots, is_snapshot_file, action, err);
+    free(snapshots);
     return status;
 }
 
 static enum dm2_status remove_earlier_run(const char *directory, struct dm2_error *err)
 {
-    enum dm2_status status = DM2_OK;
-    for (size_t i = 0; status == DM2_OK && i < sizeof known_files / sizeof known_files[0]; i++) {
-        status = remove_file(directory, known_files[i], "", err);
-        if (status == DM2_OK)
-            status = remove_file(directory, known_files[i], ".part", err);
-    }
+    enum dm2_status status = visit_run(directory, check_file, err);
     if (status == DM2_OK)
-        status = remove_files(directory, is_profile_file, err);
-    return status == DM2_OK ? remove_snapshots(directory, err) : status;
+        status = visit_run(directory, remove_file, err);
+    char *snapshots = status == DM2_OK ? text_join(directory, "/", run_directory_snapshots) : NULL;
+    if (snapshots != NULL)
+        (void)rmdir(snapshots); /* a directory with files of other origin stays */
+    free(snapshots);
+    return status;
 }
 
 /* --- preparing --- */
@@ -164,7 +188,8 @@ static enum dm2_status is_empty(const char *directory, bool *empty, struct dm2_e
     *empty = true;
     errno = 0;
     while ((entry = readdir(dir)) != NULL)
-        if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0)
+        if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0 &&
+            strcmp(entry->d_name, run_lock_name) != 0)
             *empty = false;
     int error = errno;
     closedir(dir);
@@ -173,10 +198,21 @@ static enum dm2_status is_empty(const char *directory, bool *empty, struct dm2_e
     return DM2_OK;
 }
 
-enum dm2_status run_directory_prepare(const char *path, bool overwrite, bool *made, struct dm2_error *err)
+enum dm2_status run_directory_retake(const char *path, struct run_lock *lock, struct dm2_error *err)
+{
+    enum dm2_status status = run_lock_take(lock, path, err);
+    return status == DM2_OK ? visit_run(path, check_file, err) : status;
+}
+
+enum dm2_status run_directory_prepare(const char *path, bool overwrite, bool *made, struct run_lock *lock,
+                                      struct dm2_error *err)
 {
     bool empty = true;
     enum dm2_status status = make_directories(path, made, err);
+    if (status == DM2_OK)
+        status = is_empty(path, &empty, err); /* is it a directory? */
+    if (status == DM2_OK)
+        status = run_lock_take(lock, path, err);
     if (status == DM2_OK)
         status = is_empty(path, &empty, err);
     if (status != DM2_OK || empty)

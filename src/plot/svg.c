@@ -30,7 +30,8 @@ static void put_escaped(struct svg *svg, const char *text, size_t n)
 enum dm2_status svg_create(struct svg *svg, const char *path, double width, double height, const char *title,
                            struct dm2_error *err)
 {
-    enum dm2_status status = file_create(&svg->file, path, err);
+    enum dm2_status status =
+        strcmp(path, "-") == 0 ? file_create_output(&svg->file, err) : file_create(&svg->file, path, err);
     if (status != DM2_OK)
         return status;
     svg_number(svg, "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"", width);

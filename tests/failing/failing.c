@@ -1,6 +1,6 @@
 /* Linked into a program in front of the system's calls (-Wl,--wrap). DM2_FAIL=CLASS:N makes the Nth call of a
- * class fail, once; CLASS is memory, open, write, fsync, rename, read, socket (also accept, connect, pipe,
- * fork), poll or writev. The call that fails creates the file DM2_FAIL_MARK. */
+ * class fail, once; CLASS is memory, open, lock (of a file), write, fsync, rename (also link), read, socket
+ * (also accept, connect, pipe, fork), poll or writev. The call that fails creates the file DM2_FAIL_MARK. */
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -20,6 +20,8 @@ int __real_open(const char *path, int flags, ...);
 ssize_t __real_write(int fd, const void *data, size_t n);
 int __real_fsync(int fd);
 int __real_rename(const char *from, const char *to);
+int __real_fcntl(int fd, int command, ...);
+int __real_link(const char *from, const char *to);
 ssize_t __real_read(int fd, void *data, size_t n);
 ssize_t __real_writev(int fd, const struct iovec *iov, int n);
 int __real_poll(struct pollfd *polls, nfds_t n, int timeout);
@@ -37,6 +39,8 @@ int __wrap_open(const char *path, int flags, ...);
 ssize_t __wrap_write(int fd, const void *data, size_t n);
 int __wrap_fsync(int fd);
 int __wrap_rename(const char *from, const char *to);
+int __wrap_link(const char *from, const char *to);
+int __wrap_fcntl(int fd, int command, ...);
 ssize_t __wrap_read(int fd, void *data, size_t n);
 ssize_t __wrap_writev(int fd, const struct iovec *iov, int n);
 int __wrap_poll(struct pollfd *polls, nfds_t n, int timeout);
@@ -123,6 +127,29 @@ int __wrap_rename(const char *from, const char *to)
         return -1;
     }
     return __real_rename(from, to);
+}
+
+/* Every argument of fcntl that the programs use fits into a pointer. */
+int __wrap_fcntl(int fd, int command, ...)
+{
+    va_list args;
+    va_start(args, command);
+    void *argument = va_arg(args, void *);
+    va_end(args);
+    if (command == F_SETLK && must_fail("lock")) {
+        errno = ENOLCK;
+        return -1;
+    }
+    return __real_fcntl(fd, command, argument);
+}
+
+int __wrap_link(const char *from, const char *to)
+{
+    if (must_fail("rename")) {
+        errno = EACCES;
+        return -1;
+    }
+    return __real_link(from, to);
 }
 
 ssize_t __wrap_read(int fd, void *data, size_t n)

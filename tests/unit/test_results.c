@@ -301,7 +301,7 @@ TEST(overwrite_replaces_only_our_files)
         scratch_write(name, "old");
     }
     struct results *r = open_results(&f, "again", true);
-    CHECK_EQ_INT(entries("again"), 6); /* the others' files, snapshots and history.csv.part */
+    CHECK_EQ_INT(entries("again"), 7); /* the others' files, snapshots, history.csv.part and the lock */
     CHECK_EQ_INT(entries("again/snapshots"), 3);
     CHECK_EQ_INT(results_close(r, &err), DM2_OK);
     CHECK(scratch_exists("again/history.csv"));

@@ -1,5 +1,8 @@
 /* Whole files: read at once; written under a temporary name and renamed when complete.
  *
+ * Files are written to plain files and new names alone: a symbolic link, a FIFO, a device or a directory of
+ * the name is DM2_USAGE, at the begin and before the end, and stays as it is.
+ *
  * Every failure is DM2_IO with the path and the system's reason, or DM2_MEMORY. A write beyond RLIMIT_FSIZE
  * fails with DM2_IO only where SIGXFSZ is ignored; otherwise the signal ends the program. */
 #ifndef DM2_BASE_FILE_H
@@ -14,16 +17,27 @@
 /* A file being written. Errors stick: after the first error nothing more is written, and file_commit reports
  * that error. */
 struct file_out {
-    char *path, *part; /* final and temporary name: path and path.part */
+    char *path, *part; /* final and temporary name: path and path.part; part NULL: standard output */
+    bool is_new;       /* there was no file of the final name at the start */
     int fd;
     int error;             /* errno of the first failure, 0 so far */
     unsigned char *buffer; /* bytes not yet written */
     size_t used;
 };
 
+/* Whether `path` may be written: no name yet (*absent), or a plain file; else DM2_USAGE, which says what the
+ * name is. */
+enum dm2_status file_check_name(const char *path, bool *absent, struct dm2_error *err);
+
+/* DM2_USAGE where `path` is there and no directory, a link to one included. */
+enum dm2_status file_check_directory(const char *path, struct dm2_error *err);
+
 /* Creates path.part, and replaces a path.part that an earlier, killed run left. On failure *f is empty;
  * file_abandon may be called on an empty *f. */
 enum dm2_status file_create(struct file_out *f, const char *path, struct dm2_error *err);
+
+/* Lets *f write to standard output; file_commit flushes alone. */
+enum dm2_status file_create_output(struct file_out *f, struct dm2_error *err);
 
 /* Append bytes, a text, or a formatted text of at most 1023 bytes (a longer text sticks as EOVERFLOW). */
 void file_write(struct file_out *f, const void *bytes, size_t n);
@@ -40,8 +54,8 @@ void file_filled(struct file_out *f, size_t n);
 enum dm2_status file_flush(struct file_out *f, struct dm2_error *err);
 
 /* Flushes, fsyncs, closes, renames to the final name and fsyncs the directory. On failure before
- * the rename the temporary file is removed, and a file under the final name is unchanged. *f is empty
- * afterwards. */
+ * the rename the temporary file is removed, and a file under the final name is unchanged. A name that was new
+ * at file_create and has come into being since is not replaced: DM2_IO. *f is empty afterwards. */
 enum dm2_status file_commit(struct file_out *f, struct dm2_error *err);
 
 /* Opens path.part as an earlier program left it, cuts it to its first `keep` bytes and lets *f append. */

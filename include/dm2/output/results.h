@@ -69,6 +69,9 @@ int64_t results_checkpoint_step(const struct results *r);
 /* The directory, for messages. */
 const char *results_directory(const struct results *r);
 
+/* What the user is to know of the opened directory, a sentence; empty: nothing. */
+const char *results_warning(const struct results *r);
+
 /* What the rows of history.csv say about the energy book (output/energy_book.h), a line each without newline.
  */
 enum { RESULTS_LINE = 400 };

@@ -17,10 +17,18 @@ extern const char run_directory_snapshots[], run_directory_series[];
  * frees it; NULL: no memory. */
 char *run_directory_default(const char *deck_path);
 
-/* Makes the directory `path` and its parents, or takes an empty one. *made: the directory did not exist. A
- * directory that is not empty is an error unless `overwrite`; then the files of an earlier run are removed.
- * DM2_IO with the path and the system's reason, or DM2_MEMORY. */
-enum dm2_status run_directory_prepare(const char *path, bool overwrite, bool *made, struct dm2_error *err);
+struct run_lock;
+
+/* Makes the directory `path` and its parents, or takes an empty one, and locks it. *made: the directory did
+ * not exist. A directory that is not empty is an error unless `overwrite`; then the files of an earlier run
+ * are removed. DM2_USAGE where another process has the lock, or where a name of a run's file is no plain
+ * file; then nothing is removed. DM2_IO with the path and the system's reason, or DM2_MEMORY. The caller
+ * releases *lock, also after a failure. */
+enum dm2_status run_directory_prepare(const char *path, bool overwrite, bool *made, struct run_lock *lock,
+                                      struct dm2_error *err);
+
+/* Locks a run directory in which a run continues, and checks the names of its files: DM2_USAGE as above. */
+enum dm2_status run_directory_retake(const char *path, struct run_lock *lock, struct dm2_error *err);
 
 /* DM2_MEMORY, for a path in the run directory that does not fit into memory. */
 enum dm2_status run_directory_no_memory(struct dm2_error *err);
