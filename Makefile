@@ -12,6 +12,10 @@ endif
 # the same bits (docs/architecture.md): it comes behind the user's CFLAGS, where it cannot be undone.
 DM2_CFLAGS := -std=c11 -D_POSIX_C_SOURCE=200809L -Iinclude -fno-math-errno -MMD -MP
 EXACT      := -ffp-contract=off
+# Files beyond 2 GiB where a long has 32 bits; elsewhere the macro would only rename open.
+ifeq ($(shell echo __SIZEOF_LONG__ | $(CC) $(CFLAGS) -E -P -x c - 2>/dev/null | tail -n 1),4)
+DM2_CFLAGS += -D_FILE_OFFSET_BITS=64
+endif
 WARN := -Wall -Wextra -Wpedantic -Wshadow -Wvla -Wstrict-prototypes -Wmissing-prototypes \
         -Wwrite-strings -Wconversion -Wno-sign-conversion -Wundef -Wpointer-arith \
         -Werror=implicit-function-declaration -Werror=implicit-int -Werror=int-conversion

@@ -408,7 +408,8 @@ static void print_run(FILE *to, const struct run_options *o, const struct run *r
 static enum dm2_status print_ranks(FILE *to, const struct decomposition *d, const struct rank_size *size,
                                    const char *const *server_names, struct dm2_error *err)
 {
-    size_t total = 0, most = 0, edges = 0;
+    uint64_t total = 0; /* of several servers: more than one process can have */
+    size_t most = 0, edges = 0;
     double length = 0;
     for (int rank = 0; rank < d->ranks; rank++) {
         struct rank_boundary b = {0};

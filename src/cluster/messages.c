@@ -291,10 +291,10 @@ void message_get_state(struct bytes_reader *r, struct state_message *m)
     m->last = get_bool(r);
     m->n_elements = bytes_get_u32(r);
     m->n_pairs = bytes_get_u32(r);
-    size_t each = WIRE_ELEMENT + (m->purpose == STATE_SNAPSHOT ? WIRE_MEASURED : 0),
-           left = bytes_remaining(r);
+    uint64_t each = WIRE_ELEMENT + (m->purpose == STATE_SNAPSHOT ? WIRE_MEASURED : 0),
+             left = bytes_remaining(r);
     /* both counts are below 2^32, hence both products below 2^40 */
-    require(r, m->n_elements * each + m->n_pairs * WIRE_PAIR == left);
+    require(r, m->n_elements * each + (uint64_t)m->n_pairs * WIRE_PAIR == left);
 }
 
 void message_put_profile(struct bytes_writer *w, const struct profile_message *m)

@@ -65,7 +65,7 @@ static enum dm2_status take_part(struct received_state *in, const struct model *
     const struct record_limits limits = record_limits_of(model);
     if (!m->last && m->n_elements == 0 && m->n_pairs == 0)
         return dm2_fail(err, DM2_PROTOCOL, "the client sent an empty part of a state");
-    if (in->n_pairs + m->n_pairs > WIRE_PAIRS_MOST * limits.elements)
+    if ((uint64_t)in->n_pairs + m->n_pairs > WIRE_PAIRS_MOST * (uint64_t)limits.elements)
         return dm2_fail(err, DM2_PROTOCOL, "the client sent more than %d pairs per element", WIRE_PAIRS_MOST);
     if (!make_room(in, m->n_elements, m->n_pairs))
         return dm2_fail(err, DM2_MEMORY, "no memory for the state to start from");

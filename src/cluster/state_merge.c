@@ -56,7 +56,7 @@ enum dm2_status state_merge_add(struct state_merge *m, const struct state_messag
         return status;
     if (bytes_remaining(r) / WIRE_ELEMENT < head->n_elements)
         return fail_record(err);
-    if (m->n_pairs + head->n_pairs > WIRE_PAIRS_MOST * m->limits.elements)
+    if ((uint64_t)m->n_pairs + head->n_pairs > WIRE_PAIRS_MOST * (uint64_t)m->limits.elements)
         return dm2_fail(err, DM2_PROTOCOL, "a state came with more than %d pairs per element",
                         WIRE_PAIRS_MOST);
     uint32_t *ids = mem_alloc(head->n_elements, sizeof *ids);

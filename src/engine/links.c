@@ -52,7 +52,10 @@ static int sort_pairs(struct link_list *links, const struct half_list *near, con
                       uint32_t first, uint32_t last, const struct model *m, const struct particles *p)
 {
     size_t n_laws = m->n_kinds * m->n_kinds * RELATION_COUNT;
-    links->n_groups = n_laws * (((size_t)last - first + CHUNK - 1) / CHUNK);
+    uint64_t n_groups = (uint64_t)n_laws * (((uint64_t)last - first + CHUNK - 1) / CHUNK);
+    if (n_groups > SIZE_MAX)
+        return -1;
+    links->n_groups = (size_t)n_groups;
     struct link_group *groups =
         mem_grown(links->group, &links->group_cap, 0, links->n_groups, sizeof *groups);
     if (groups == NULL)

@@ -361,9 +361,11 @@ int lists_carry_reserve(struct lists *l, size_t n_own, void *room, size_t bytes)
 {
     for (size_t i = 0; i < n_own; i++)
         l->rows[i + 2] += l->rows[i + 1];
-    size_t pairs = l->rows[n_own + 1], need = pairs * (2 * sizeof *l->carried + sizeof *l->carried_b);
-    if (need > bytes) {
-        room = mem_grown(l->carried_own, &l->carried_own_cap, 0, need, 1);
+    const size_t each = 2 * sizeof *l->carried + sizeof *l->carried_b;
+    size_t pairs = l->rows[n_own + 1];
+    if (pairs > bytes / each) {
+        room = pairs > SIZE_MAX / each ? NULL
+                                       : mem_grown(l->carried_own, &l->carried_own_cap, 0, pairs * each, 1);
         if (room == NULL)
             return -1;
         l->carried_own = room;
@@ -441,8 +443,8 @@ done:
 int lists_keep_memory(struct lists *l, bool springs)
 {
     size_t n = l->near.start[l->n_inside], numbers = springs ? 2 * n : n;
-    void *kept =
-        mem_grown(l->kept, &l->kept_cap, 0, numbers * sizeof *l->kept + n * sizeof *l->linked + 1, 1);
+    uint64_t need = numbers * (uint64_t)sizeof *l->kept + n * (uint64_t)sizeof *l->linked + 1;
+    void *kept = need > SIZE_MAX ? NULL : mem_grown(l->kept, &l->kept_cap, 0, (size_t)need, 1);
     if (kept == NULL)
         return -1;
     l->kept = kept;

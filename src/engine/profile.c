@@ -17,7 +17,7 @@ long profile_bin_of(const struct profile_config *c, double x)
     if (!(x >= c->range[0] && x < c->range[1]))
         return -1;
     long bin = (long)((x - c->range[0]) / bin_width(c));
-    return bin < c->bins ? bin : c->bins - 1; /* the quotient may round up to c->bins */
+    return bin < c->bins ? bin : (long)c->bins - 1; /* the quotient may round up to c->bins */
 }
 
 double profile_centre(const struct profile_config *c, size_t bin)
