@@ -115,6 +115,7 @@ static enum dm2_status make_element(struct generation *g, uint64_t grain, const 
                         .grain = (uint32_t)grain,
                         .body = (uint16_t)g->body,
                         .kind = (uint16_t)material,
+                        .was = (uint16_t)(model->has_kinds ? material : 0),
                         .flags = b->motion == MOTION_FREE ? 0 : ELEMENT_FIXED_MOTION,
                         .radius = b->radius};
     e.mass = kind_mass(&c->materials[material], b->radius);
