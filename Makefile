@@ -39,6 +39,21 @@ else
 $(error FLAVOUR is one of release debug asan tsan, not '$(FLAVOUR)')
 endif
 
+# What the compiler, as called with the user's flags, says of itself. The vectorizers of gcc fuse a product and a
+# sum in spite of -ffp-contract=off where the processor can. A part of -ffast-math that gcc knows ends in #error
+# (base/exact_build.h); clang has no macro for two of them, and undoes both. The x87 unit of a 32-bit x86 rounds
+# to more than a double.
+MACROS := $(shell echo | $(CC) $(CPPFLAGS) $(CFLAGS) -dM -E -x c - 2>/dev/null)
+ifneq ($(filter __FMA__ __FMA4__ __AVX512F__ __ARM_FEATURE_FMA __FP_FAST_FMA,$(MACROS)),)
+EXACT += -fno-tree-vectorize -fno-tree-slp-vectorize $(if $(filter __clang__,$(MACROS)),,-fno-tree-loop-vectorize)
+endif
+ifneq ($(filter __clang__,$(MACROS)),)
+EXACT += -fno-associative-math -fno-reciprocal-math
+endif
+ifneq ($(filter __i386__,$(MACROS)),)
+EXACT += -msse2 -mfpmath=sse
+endif
+
 ifneq ($(V),1)
 Q := @
 endif
@@ -61,7 +76,7 @@ FUZZ_SRC := $(wildcard tests/fuzz/fuzz_*.c)
 FUZZED   := $(FUZZ_SRC:tests/fuzz/%.c=$(BUILD)/fuzz/replay_%)
 FAILING  := $(patsubst src/app/%.c,$(BUILD)/failing/%,$(filter src/app/dm2-%.c,$(APP_SRC)))
 
-.PHONY: soak fuzz all tests test figures bench demo install uninstall clean help FORCE
+.PHONY: soak fuzz all tests test fingerprint figures bench demo install uninstall clean help FORCE
 .SUFFIXES:
 .SECONDARY:
 
@@ -80,6 +95,10 @@ soak: all tests
 
 figures: all
 	$(Q)DM2_BIN=$(BIN) sh scripts/figures.sh $(FIGURES)
+
+# The fingerprint of this release, after a change of results (docs/contributing.md).
+fingerprint:
+	$(Q)CC='$(CC)' sh scripts/fingerprint.sh
 
 demo: all
 	$(Q)DM2_BIN=$(BIN) DM2_BUILD=build sh scripts/demo.sh
@@ -177,6 +196,7 @@ help:
 	@echo 'make figures       the figures of the timing study; FIGURES=measure measures first'
 	@echo '                   (30 minutes, as root), FIGURES=sweep without the emulated cluster (4),'
 	@echo '                   FIGURES=accuracy the error of the model alone'
+	@echo 'make fingerprint   the constant of engine/self_test.h, after a change of results'
 	@echo 'make install       into PREFIX (/usr/local), below DESTDIR; make uninstall'
 	@echo 'make clean         removes build/ and bin/'
 	@echo 'FLAVOUR=release|debug|asan|tsan   CC=gcc|clang   CFLAGS=...   V=1'

@@ -11,6 +11,7 @@
 #include "dm2/cluster/client.h"
 #include "dm2/cluster/hosts.h"
 #include "dm2/cluster/report.h"
+#include "dm2/engine/self_test.h"
 #include "dm2/net/socket.h"
 #include "local_servers.h"
 #include "network.h"
@@ -418,7 +419,10 @@ int main(int argc, char **argv)
     enum dm2_status status = parse_command_line(&c, argc, argv, &err);
     if (status == DM2_OK && c.run.version)
         run_print_version(PROGRAM);
-    if (status == DM2_OK && !c.run.help && !c.run.version) {
+    bool computes = !c.run.help && !c.run.version;
+    if (status == DM2_OK && computes)
+        status = self_test_check(&err);
+    if (status == DM2_OK && computes) {
         c.cancel = signals_catch();
         status = c.status ? print_status(&c, &err) : run_deck(&c, &err);
     }

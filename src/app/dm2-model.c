@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "dm2/base/version.h"
+#include "dm2/engine/self_test.h"
 #include "model_commands.h"
 #include "process.h"
 
@@ -58,8 +59,10 @@ static enum dm2_status run_command(int argc, char **argv, struct dm2_error *err)
         return DM2_OK;
     }
     for (size_t i = 0; word != NULL && i < N_COMMANDS; i++)
-        if (strcmp(word, COMMANDS[i].name) == 0)
-            return COMMANDS[i].run(argv[0], argc - 1, argv + 1, err);
+        if (strcmp(word, COMMANDS[i].name) == 0) {
+            enum dm2_status status = self_test_check(err);
+            return status == DM2_OK ? COMMANDS[i].run(argv[0], argc - 1, argv + 1, err) : status;
+        }
     return fail_unknown_command(word, err);
 }
 

@@ -10,6 +10,7 @@
 #include "dm2/base/number.h"
 #include "dm2/base/text.h"
 #include "dm2/base/version.h"
+#include "dm2/engine/self_test.h"
 #include "dm2/plot/chart.h"
 #include "dm2/plot/picture.h"
 #include "dm2/plot/vtp_reader.h"
@@ -419,6 +420,9 @@ int main(int argc, char **argv)
         fputs(usage, stdout);
     } else if (strcmp(command, "--version") == 0) {
         puts("dm2-plot " DM2_VERSION);
+    } else if (self_test_check(&err) != DM2_OK) {
+        fprintf(stderr, "dm2-plot: %s\n", err.text);
+        return process_finish("dm2-plot", dm2_exit_code(err.status), true);
     } else if (strcmp(command, "snapshot") == 0)
         status = snapshot_command(argc - 1, argv + 1, &err);
     else if (strcmp(command, "chart") == 0)

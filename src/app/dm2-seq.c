@@ -11,6 +11,7 @@
 #include "dm2/cluster/report.h"
 #include "dm2/deck/schedule.h"
 #include "dm2/engine/rebuild.h"
+#include "dm2/engine/self_test.h"
 #include "dm2/engine/subdomain.h"
 #include "dm2/output/state_hash.h"
 #include "options.h"
@@ -335,7 +336,10 @@ int main(int argc, char **argv)
         status = run_options_finish(&options, &err);
     if (status == DM2_OK && options.version)
         run_print_version(PROGRAM);
-    if (status == DM2_OK && !options.help && !options.version)
+    bool computes = !options.help && !options.version;
+    if (status == DM2_OK && computes)
+        status = self_test_check(&err);
+    if (status == DM2_OK && computes)
         status = run_deck(&options, signals_catch(), &err);
     run_options_free(&options);
     return process_finish(PROGRAM, status == DM2_OK ? 0 : run_report_failure(PROGRAM, &err),

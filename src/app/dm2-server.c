@@ -14,6 +14,7 @@
 #include "dm2/cluster/auth.h"
 #include "dm2/cluster/messages.h"
 #include "dm2/cluster/server.h"
+#include "dm2/engine/self_test.h"
 #include "dm2/net/allow.h"
 #include "dm2/net/socket.h"
 #include "options.h"
@@ -170,6 +171,8 @@ int main(int argc, char **argv)
         status = auth_key_create(c.new_key, &err);
         return status == DM2_OK ? 0 : run_report_failure(PROGRAM, &err);
     }
+    if (status == DM2_OK)
+        status = self_test_check(&err);
     if (status == DM2_OK)
         status = serve_clients(&c, signals_catch(), &err);
     option_list_free(&c.allow_texts);

@@ -17,8 +17,8 @@
 #include "dm2/base/bytes.h"
 #include "dm2/base/crc32c.h"
 #include "dm2/base/file.h"
-#include "dm2/base/fingerprint.h"
 #include "dm2/base/mem.h"
+#include "dm2/engine/self_test.h"
 
 static const char magic[8] = {'D', 'M', '2', 'S', 'T', 'A', 'T', 'E'};
 
@@ -43,7 +43,7 @@ static void put_header(struct bytes_writer *w, const struct state_view *s)
     bytes_put_raw(w, magic, sizeof magic);
     bytes_put_u32(w, STATE_VERSION);
     bytes_put_raw(w, s->digest, STATE_DIGEST_BYTES);
-    bytes_put_u64(w, fingerprint_compute());
+    bytes_put_u64(w, SELF_TEST_FINGERPRINT);
     bytes_put_i64(w, s->step);
     bytes_put_u64(w, s->n_elements);
     bytes_put_u64(w, s->n_pairs);
@@ -171,14 +171,15 @@ static enum dm2_status check_crc(const struct bytes_reader *r, const char *path,
 
 static enum dm2_status check_fingerprint(uint64_t there, const char *path, struct dm2_error *err)
 {
-    uint64_t here = fingerprint_compute();
+    uint64_t here = SELF_TEST_FINGERPRINT;
     if (there == here)
         return DM2_OK;
-    return dm2_fail(err, DM2_PROTOCOL,
-                    "%s: was computed with another arithmetic, of fingerprint %016" PRIx64
-                    "; this program's is %016" PRIx64 ", and would not go on to the same results: "
-                    "continue with a program that is built as that one was",
-                    path, there, here);
+    return dm2_fail(
+        err, DM2_PROTOCOL,
+        "%s: was computed by another release or with another arithmetic, of fingerprint %016" PRIx64
+        "; this program's is %016" PRIx64 ", and would not go on to the same results: "
+        "continue with the release that wrote it",
+        path, there, here);
 }
 
 /* Refuses an element with an invalid field; limits NULL: any index is valid. */

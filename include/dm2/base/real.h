@@ -6,6 +6,8 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "dm2/base/exact_build.h"
+
 /* 2^k for -1022 <= k <= 1023, from its bits. */
 static inline double real_pow2(int k)
 {

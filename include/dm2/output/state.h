@@ -6,7 +6,7 @@
  *   magic            8 bytes  "DM2STATE"
  *   version          u32
  *   digest          32 bytes  of the state's deck, as the caller gave it
- *   fingerprint      u64      of the arithmetic that computed the state (base/fingerprint.h)
+ *   fingerprint      u64      of the release that computed the state (engine/self_test.h)
  *   step             u64
  *   n_elements       u64
  *   n_pairs          u64
