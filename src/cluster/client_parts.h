@@ -24,6 +24,7 @@ struct server_answers {
     uint8_t loaded; /* of ANSWER; 0: the server wants the texts of the deck */
     struct auth_nonces nonces;
     bool challenged; /* CHALLENGE has come */
+    struct place_message place;
     struct ready_message ready;
     struct step_message step;
     struct relay_source segments; /* of the last STEP message, in the channel's buffer */
@@ -52,8 +53,11 @@ struct client {
 /* Connects to every server of the course. After a loss, attempts go on for options->reconnect seconds. */
 enum dm2_status client_connect(struct client *c, struct dm2_error *err);
 
-/* Shakes hands: with a key, client and server prove to each other that they have the key; then the
- * fingerprints of their arithmetic are compared. DM2_PROTOCOL: wrong proof, different fingerprints. */
+/* Shakes hands: with a key, client and server prove to each other that they have the key; then every server
+ * says which one it is, and the client takes its turn at one after the other in the order of their ids. So
+ * clients that want the same servers wait for each other without a cycle, whatever their hosts files call the
+ * servers. Releases and fingerprints are compared. DM2_PROTOCOL: wrong proof, different releases or
+ * fingerprints, one server under two names. */
 enum dm2_status client_greet(struct client *c, struct dm2_error *err);
 
 /* Answers a server's CHALLENGE with PROOF, while client_greet awaits GRANT. */

@@ -11,12 +11,15 @@
 #include "dm2/base/bytes.h"
 #include "dm2/base/clock.h"
 #include "dm2/base/hmac.h"
+#include "dm2/base/mem.h"
+#include "dm2/cluster/inquiry.h"
 #include "dm2/deck/digest.h"
 #include "dm2/engine/self_test.h"
 #include "state_parts.h"
 
 static const double CONNECT_SECONDS = 10.0; /* for one attempt to connect, at most */
 static const double RETRY_SECONDS = 0.05;   /* between attempts to reach a lost server */
+static const double BUSY_ASK_SECONDS = 1.0; /* for a busy server to say whom it serves */
 
 /* --- connections --- */
 
@@ -114,6 +117,13 @@ static enum dm2_status prove_key(struct client *c, struct dm2_error *err)
     return conversation_gather(&c->talk, MESSAGE_GRANT, LIMIT_HELLO, take_grant, true, err);
 }
 
+static enum dm2_status take_place(void *context, int rank, struct bytes_reader *r, struct dm2_error *err)
+{
+    struct client *c = context;
+    message_get_place(r, &c->answers[rank].place);
+    return r->failed ? conversation_not_decoded(&c->talk, rank, "PLACE", err) : DM2_OK;
+}
+
 static enum dm2_status take_welcome(void *context, int rank, struct bytes_reader *r, struct dm2_error *err)
 {
     struct client *c = context;
@@ -122,6 +132,14 @@ static enum dm2_status take_welcome(void *context, int rank, struct bytes_reader
     message_get_hello(r, &m);
     if (r->failed)
         return conversation_not_decoded(&c->talk, rank, "WELCOME", err);
+    c->talk.peers[rank].greeted = true;
+    if (strcmp(m.version, c->options->version) != 0) {
+        (void)snprintf(
+            text, sizeof text,
+            "the releases differ: dm2 %s there, dm2 %s here: install the same dm2 on both machines",
+            m.version, c->options->version);
+        return conversation_failed(&c->talk, rank, DM2_PROTOCOL, text, err);
+    }
     if (m.fingerprint == SELF_TEST_FINGERPRINT)
         return DM2_OK;
     (void)snprintf(text, sizeof text,
@@ -131,21 +149,82 @@ static enum dm2_status take_welcome(void *context, int rank, struct bytes_reader
     return conversation_failed(&c->talk, rank, DM2_PROTOCOL, text, err);
 }
 
-enum dm2_status client_greet(struct client *c, struct dm2_error *err)
+/* Sends HELLO to one server: for its place, or for the client's turn. */
+static enum dm2_status send_hello(struct client *c, int rank, bool turn, struct dm2_error *err)
 {
-    struct hello_message m = {.fingerprint = SELF_TEST_FINGERPRINT};
-    enum dm2_status admitted = c->options->key != NULL ? prove_key(c, err) : DM2_OK;
-    if (admitted != DM2_OK)
-        return admitted;
+    struct hello_message m = {.turn = turn, .fingerprint = SELF_TEST_FINGERPRINT};
     (void)snprintf(m.version, sizeof m.version, "%s", c->options->version);
     bytes_clear(&c->talk.out);
     message_put_hello(&c->talk.out, &m);
+    return conversation_send(&c->talk, rank, MESSAGE_HELLO, err);
+}
+
+/* Sorts the ranks into order[ranks] by the ids of their servers. DM2_PROTOCOL: two are one server. */
+static enum dm2_status order_servers(struct client *c, int *order, struct dm2_error *err)
+{
     for (int k = 0; k < c->ranks; k++) {
-        enum dm2_status status = conversation_send(&c->talk, k, MESSAGE_HELLO, err);
-        if (status != DM2_OK)
-            return status;
+        const unsigned char *id = c->answers[k].place.id;
+        int at = k;
+        for (; at > 0 && memcmp(c->answers[order[at - 1]].place.id, id, SERVER_ID) > 0; at--)
+            order[at] = order[at - 1];
+        order[at] = k;
+        if (at > 0 && memcmp(c->answers[order[at - 1]].place.id, id, SERVER_ID) == 0) {
+            char text[SOCKET_NAME + 100];
+            (void)snprintf(text, sizeof text,
+                           "it is the same server as %s, under another name: name each server once",
+                           c->talk.peers[order[at - 1]].channel.name);
+            return conversation_failed(&c->talk, k, DM2_PROTOCOL, text, err);
+        }
     }
-    return conversation_gather(&c->talk, MESSAGE_WELCOME, LIMIT_HELLO, take_welcome, true, err);
+    return DM2_OK;
+}
+
+/* After a wait in vain for a turn: says in *err whom the server serves, as far as the server tells. */
+static void blame_other_client(struct client *c, int rank, struct dm2_error *err)
+{
+    struct report_message m;
+    char text[SOCKET_NAME + 400];
+    if (inquiry_ask(&c->course->stations[rank].at, c->options->key, BUSY_ASK_SECONDS, c->options->cancel, &m,
+                    NULL) != DM2_OK ||
+        !m.busy)
+        return;
+    (void)snprintf(text, sizeof text,
+                   "it serves %s (%s, step %lld) for %.0f s already, longer than --timeout %g waits", m.peer,
+                   m.deck[0] != '\0' ? m.deck : "no deck yet", (long long)m.step, m.seconds,
+                   c->options->timeout);
+    (void)conversation_failed(&c->talk, rank, DM2_TIMEOUT, text, err);
+}
+
+/* Takes the client's turn at every server. */
+static enum dm2_status take_turns(struct client *c, const int *order, struct dm2_error *err)
+{
+    enum dm2_status status = DM2_OK;
+    for (int k = 0; k < c->ranks && status == DM2_OK; k++) {
+        status = send_hello(c, order[k], true, err);
+        if (status == DM2_OK)
+            status = conversation_gather(&c->talk, MESSAGE_WELCOME, LIMIT_HELLO, take_welcome, true, err);
+        if (status == DM2_TIMEOUT)
+            blame_other_client(c, order[k], err);
+    }
+    return status;
+}
+
+enum dm2_status client_greet(struct client *c, struct dm2_error *err)
+{
+    enum dm2_status status = c->options->key != NULL ? prove_key(c, err) : DM2_OK;
+    int *order = mem_alloc((size_t)c->ranks, sizeof *order);
+    if (status == DM2_OK && order == NULL)
+        status = dm2_fail(err, DM2_MEMORY, "no memory for %d servers", c->ranks);
+    for (int k = 0; k < c->ranks && status == DM2_OK; k++)
+        status = send_hello(c, k, false, err);
+    if (status == DM2_OK)
+        status = conversation_gather(&c->talk, MESSAGE_PLACE, LIMIT_HELLO, take_place, true, err);
+    if (status == DM2_OK)
+        status = order_servers(c, order, err);
+    if (status == DM2_OK)
+        status = take_turns(c, order, err);
+    free(order);
+    return status;
 }
 
 /* --- round trips --- */

@@ -214,13 +214,14 @@ static void note_busy_servers(const struct conversation *t)
         }
 }
 
-/* Sends ALIVE to every server that has answered. Not while DONE is gathered, because a server closes its
- * connection after DONE. */
+/* Sends ALIVE to every server that has answered and whose session has begun. Not while DONE is gathered,
+ * because a server closes its connection after DONE. */
 static enum dm2_status send_alive(struct conversation *t, struct dm2_error *err)
 {
     for (int k = 0; k < t->ranks; k++) {
-        enum dm2_status status =
-            t->peers[k].awaited ? DM2_OK : conversation_reply(t, k, MESSAGE_ALIVE, NULL, 0, err);
+        enum dm2_status status = t->peers[k].awaited || !t->peers[k].greeted
+                                     ? DM2_OK
+                                     : conversation_reply(t, k, MESSAGE_ALIVE, NULL, 0, err);
         if (status != DM2_OK)
             return status;
     }
@@ -232,7 +233,8 @@ enum dm2_status conversation_gather(struct conversation *t, enum message_type ty
 {
     double since = clock_now(), note_at = note ? since + BUSY_SECONDS : INFINITY;
     double every = alive_every(t->timeout);
-    double alive_at = answer_takes_long(type) && type != MESSAGE_DONE ? since + every : INFINITY;
+    bool long_wait = type == MESSAGE_WELCOME || (answer_takes_long(type) && type != MESSAGE_DONE);
+    double alive_at = long_wait ? since + every : INFINITY;
     int awaited = 0;
     enum dm2_status status = DM2_OK;
     for (int k = 0; k < t->ranks && status == DM2_OK; k++) {

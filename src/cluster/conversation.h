@@ -24,6 +24,7 @@ struct peer {
     struct channel channel;
     bool open;    /* the channel holds a connection */
     bool awaited; /* an answer is due */
+    bool greeted; /* WELCOME has come: the session has begun */
 };
 
 struct conversation {

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "dm2/base/file.h"
 #include "dm2/base/mem.h"
@@ -25,6 +26,7 @@ enum dm2_status endpoints_add(struct endpoints *list, const char *host, int port
     (void)snprintf(e->host, sizeof e->host, "%s", host);
     e->port = port;
     e->spare = false;
+    e->line = 0;
     return DM2_OK;
 }
 
@@ -90,12 +92,22 @@ static const char *split_server(const char *text, size_t length, struct endpoint
     return NULL;
 }
 
+/* The order of host and port; capitals do not count. */
+static int compare_endpoints(const struct endpoint *a, const struct endpoint *b)
+{
+    int hosts = strcasecmp(a->host, b->host);
+    return hosts != 0 ? hosts : a->port - b->port;
+}
+
 enum dm2_status hosts_parse_server(const char *text, struct endpoints *list, struct dm2_error *err)
 {
     struct endpoint e;
     const char *wrong = split_server(text, strlen(text), &e);
     if (wrong != NULL)
         return dm2_fail(err, DM2_USAGE, "server '%s': %s; write HOST or HOST:PORT", text, wrong);
+    for (size_t k = 0; k < list->n; k++)
+        if (compare_endpoints(&list->items[k], &e) == 0)
+            return dm2_fail(err, DM2_USAGE, "server '%s' is named before: name each server once", text);
     return endpoints_add(list, e.host, e.port, err);
 }
 
@@ -143,10 +155,44 @@ static enum dm2_status parse_line(const char *name, int line, const char *at, co
     enum dm2_status status = DM2_OK;
     for (int k = 0; k < slots && status == DM2_OK; k++) {
         status = endpoints_add(list, e.host, e.port + k, err);
-        if (status == DM2_OK)
+        if (status == DM2_OK) {
             list->items[list->n - 1].spare = spare;
+            list->items[list->n - 1].line = line;
+        }
     }
     return status;
+}
+
+static int compare_places(const void *a, const void *b)
+{
+    const struct endpoint *x = *(struct endpoint *const *)a, *y = *(struct endpoint *const *)b;
+    int order = compare_endpoints(x, y);
+    return order != 0 ? order : (x > y) - (x < y);
+}
+
+/* Refuses a server that the list has twice; the error names the first such server of the file. */
+static enum dm2_status refuse_repeated(const char *name, const struct endpoints *list, struct dm2_error *err)
+{
+    struct endpoint **sorted = mem_alloc(list->n, sizeof *sorted);
+    const struct endpoint *again = NULL, *before = NULL;
+    if (sorted == NULL)
+        return dm2_fail(err, DM2_MEMORY, "no memory for %zu servers", list->n);
+    for (size_t k = 0; k < list->n; k++)
+        sorted[k] = &list->items[k];
+    qsort(sorted, list->n, sizeof *sorted, compare_places);
+    for (size_t k = 1; k < list->n; k++)
+        if (compare_endpoints(sorted[k - 1], sorted[k]) == 0 && (again == NULL || sorted[k] < again)) {
+            before = sorted[k - 1];
+            again = sorted[k];
+        }
+    free(sorted);
+    if (again == NULL)
+        return DM2_OK;
+    return dm2_fail(
+        err, DM2_USAGE,
+        "%s:%d: %s:%d is named before, in line %d; slots=K stands for K servers, on the ports from the "
+        "line's on",
+        name, again->line, again->host, again->port, before->line);
 }
 
 enum dm2_status hosts_parse(const char *name, const char *text, struct endpoints *list, struct dm2_error *err)
@@ -162,7 +208,7 @@ enum dm2_status hosts_parse(const char *name, const char *text, struct endpoints
     }
     if (list->n == before)
         return dm2_fail(err, DM2_USAGE, "%s names no host; a line is host[:port] [slots=K] [spare]", name);
-    return DM2_OK;
+    return refuse_repeated(name, list, err);
 }
 
 enum dm2_status hosts_read(const char *path, struct endpoints *list, struct dm2_error *err)

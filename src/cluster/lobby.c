@@ -2,7 +2,8 @@
  *
  * With a key a visitor proves the key here, also while the server is busy, so that only visitors with the key
  * wait for their turn. Without a key the header of a visitor's first message shows the visitor's purpose. The
- * header is peeked at and not taken, because the session reads a client's bytes from the first on. Clients
+ * header is peeked at and not taken, because the session reads a client's bytes from the first on. HELLO is
+ * read here: one that asks is answered by PLACE, one that takes its turn is put back for the session. Clients
  * are polled for the end of their stream alone, so that bytes from them do not wake the server. A visitor
  * whose bytes do not reach the type of the message is not polled either, but peeked at every PARTIAL_SECONDS.
  * A client that has closed, or whose first message is not complete in time, loses its place.
@@ -95,6 +96,7 @@ void lobby_close(struct lobby *l)
     bytes_free(&l->out);
 }
 
+/* The clients that wait for their turn. */
 static size_t count_clients(const struct lobby *l)
 {
     size_t n = 0;
@@ -103,12 +105,26 @@ static size_t count_clients(const struct lobby *l)
     return n;
 }
 
-/* Lets a client wait for its turn. False where the server is busy and LOBBY_CLIENTS clients wait already. */
-static bool queue_client(const struct lobby *l, struct visitor *v)
+static bool has_place(const struct visitor *v)
 {
-    if (l->business.peer != NULL && count_clients(l) >= LOBBY_CLIENTS)
+    return v->kind == VISITOR_CLIENT || (v->kind == VISITOR_PLACED && v->verified);
+}
+
+/* The clients with a place: those that wait for their turn here, or at another server first. */
+static size_t count_places(const struct lobby *l)
+{
+    size_t n = 0;
+    for (size_t k = 0; k < l->n; k++)
+        n += has_place(&l->visitors[k]);
+    return n;
+}
+
+/* Makes a visitor VISITOR_PLACED or VISITOR_CLIENT. False where LOBBY_CLIENTS others have a place. */
+static bool give_place(const struct lobby *l, struct visitor *v, enum visitor_kind kind)
+{
+    if (!has_place(v) && count_places(l) >= LOBBY_CLIENTS)
         return false;
-    v->kind = VISITOR_CLIENT;
+    v->kind = kind;
     return true;
 }
 
@@ -127,7 +143,7 @@ static enum dm2_status send_report(struct lobby *l, struct visitor *v, struct dm
         m.ranks = b->session->rank < 0 ? 0 : b->session->ranks;
         m.step = b->session->steps;
     }
-    m.waiting = (uint32_t)count_clients(l);
+    m.waiting = (uint32_t)count_places(l);
     bytes_clear(&l->out);
     message_put_report(&l->out, &m);
     return send_message(l, v, MESSAGE_REPORT, err);
@@ -162,6 +178,51 @@ enum visit_result {
     VISIT_SURPLUS   /* a client beyond LOBBY_CLIENTS */
 };
 
+/* --- HELLO: the place of a client --- */
+
+static enum dm2_status send_place(struct lobby *l, struct visitor *v, struct dm2_error *err)
+{
+    const struct lobby_business *b = &l->business;
+    struct place_message m = {.before = (uint32_t)count_clients(l) + (b->peer != NULL)};
+    unsigned char random[AUTH_NONCE];
+    enum dm2_status status = l->named ? DM2_OK : auth_nonce(random, err);
+    if (status != DM2_OK)
+        return status;
+    if (!l->named)
+        memcpy(l->id, random, SERVER_ID);
+    l->named = true;
+    memcpy(m.id, l->id, SERVER_ID);
+    if (b->peer != NULL) {
+        (void)snprintf(m.peer, sizeof m.peer, "%s", b->peer);
+        (void)snprintf(m.deck, sizeof m.deck, "%s", b->session->deck);
+        m.step = b->session->steps;
+    }
+    bytes_clear(&l->out);
+    message_put_place(&l->out, &m);
+    return send_message(l, v, MESSAGE_PLACE, err);
+}
+
+/* Answers a HELLO that asks. Every other message is left to the session, which reports a fault. */
+static enum dm2_status take_hello(struct lobby *l, struct visitor *v, const struct frame *f,
+                                  enum visit_result *result, struct dm2_error *err)
+{
+    struct bytes_reader r = bytes_reader_of(f->payload, f->length);
+    struct hello_message hello;
+    message_get_hello(&r, &hello);
+    bool asks = f->type == MESSAGE_HELLO && !r.failed && !hello.turn && !v->asked;
+    if (!asks)
+        channel_put_back(&v->channel);
+    if (!give_place(l, v, asks ? VISITOR_PLACED : VISITOR_CLIENT)) {
+        *result = VISIT_SURPLUS;
+        return DM2_OK;
+    }
+    v->verified = true;
+    v->asked |= asks;
+    return asks ? send_place(l, v, err) : DM2_OK;
+}
+
+/* --- proof of the key, messages --- */
+
 /* Compares the code of a PROOF with the right one. GRANT and REPORT follow only then, so that a visitor
  * without the key gets a random number from this server and nothing that depends on the key. DM2_PROTOCOL
  * where the codes differ. */
@@ -174,8 +235,8 @@ static enum dm2_status check_proof(struct lobby *l, struct visitor *v, const uns
     if (!hmac_equal(code, proof, AUTH_CODE))
         return dm2_fail(err, DM2_PROTOCOL, "%s has another key",
                         asks ? "who asks for the status" : "the client");
-    *result = asks ? VISIT_ANSWERED : queue_client(l, v) ? VISIT_GOES_ON : VISIT_SURPLUS;
-    v->verified = v->kind == VISITOR_CLIENT;
+    *result = asks ? VISIT_ANSWERED : give_place(l, v, VISITOR_PLACED) ? VISIT_GOES_ON : VISIT_SURPLUS;
+    v->verified = v->kind == VISITOR_PLACED;
     enum dm2_status status = *result == VISIT_SURPLUS ? DM2_OK : send_grant(l, v, err);
     return status == DM2_OK && asks ? send_report(l, v, err) : status;
 }
@@ -207,22 +268,34 @@ static enum dm2_status take_message(struct lobby *l, struct visitor *v, const st
     return send_challenge(l, v, err);
 }
 
-/* Reads the bytes that have come from a visitor, and takes the message where it is complete. */
+/* Reads the bytes that have come from a visitor, and takes the messages that are complete. While the server
+ * is free, a client without a place whose first message has a fault waits for its turn, because the session
+ * reports the fault. */
 static enum dm2_status read_visitor(struct lobby *l, struct visitor *v, enum visit_result *result,
                                     struct dm2_error *err)
 {
-    bool complete;
-    struct frame f;
-    enum dm2_status status = channel_receive_some(&v->channel, LIMIT_AUTH, &complete, &f, err);
-    return status == DM2_OK && complete ? take_message(l, v, &f, result, err) : status;
+    enum dm2_status status = DM2_OK;
+    bool complete = true;
+    while (status == DM2_OK && complete && v->kind != VISITOR_CLIENT && *result == VISIT_GOES_ON) {
+        bool greets = v->kind == VISITOR_PLACED;
+        struct frame f;
+        status = channel_receive_some(&v->channel, greets ? LIMIT_HELLO : LIMIT_AUTH, &complete, &f, err);
+        if (status != DM2_OK && greets && !v->verified && l->business.peer == NULL) {
+            v->kind = VISITOR_CLIENT;
+            status = DM2_OK;
+        } else if (status == DM2_OK && complete) {
+            status = greets ? take_hello(l, v, &f, result, err) : take_message(l, v, &f, result, err);
+        }
+    }
+    return status;
 }
 
 /* --- without a key: the first message --- */
 
-/* Peeks at the header of a visitor's first message. While the server is busy, a visitor that has closed or
- * whose bytes are not dm2's protocol is refused for the reason returned. While the server is free, such a
- * visitor becomes a client, as does one whose header is partial at the second look, because the session
- * reports the fault. */
+/* Peeks at the header of a visitor's first message: the lobby reads STATUS and HELLO. While the server is
+ * busy, a visitor that has closed or whose bytes are not dm2's protocol is refused for the reason returned.
+ * While the server is free, such a visitor becomes a client, as does one whose header is partial at the
+ * second look, because the session reports the fault. */
 static const char *peek_header(struct lobby *l, struct visitor *v, enum visit_result *result)
 {
     unsigned char head[TYPE_AT + 1], magic[4];
@@ -240,9 +313,11 @@ static const char *peek_header(struct lobby *l, struct visitor *v, enum visit_re
         return broken ? "closed the connection" : "does not speak dm2's protocol";
     if (got == sizeof head && !foreign && head[TYPE_AT] == MESSAGE_STATUS)
         v->kind = VISITOR_ASKS;
+    else if (got == sizeof head && memcmp(head, own, TYPE_AT) == 0 && head[TYPE_AT] == MESSAGE_HELLO)
+        v->kind = VISITOR_PLACED;
     else if ((broken || foreign || got == sizeof head ||
               (was_partial && v->partial && l->business.peer == NULL)) &&
-             !queue_client(l, v))
+             !give_place(l, v, VISITOR_CLIENT))
         *result = VISIT_SURPLUS;
     return NULL;
 }

@@ -20,6 +20,7 @@
 #include "dm2/base/bytes.h"
 #include "dm2/base/status.h"
 #include "dm2/cluster/auth.h"
+#include "dm2/cluster/messages.h"
 #include "dm2/cluster/server.h"
 #include "dm2/net/frame.h"
 #include "dm2/net/socket.h"
@@ -29,7 +30,8 @@ enum { LOBBY_MOST = 16, LOBBY_CLIENTS = 12 }; /* the other places are for visito
 
 enum visitor_kind {
     VISITOR_NEW,    /* its first message is not known yet */
-    VISITOR_CLIENT, /* waits for its turn; it has proved the key, or nothing has been read from it */
+    VISITOR_PLACED, /* its HELLO is due: the first, or after PLACE the one that takes its turn */
+    VISITOR_CLIENT, /* waits for its turn; its HELLO is the next message of the channel, or nothing is read */
     VISITOR_ASKS,   /* without a key: its STATUS message is being read */
     VISITOR_PROVES  /* with a key: its PROOF is due */
 };
@@ -40,6 +42,7 @@ struct visitor {
     enum auth_role role; /* of a visitor with VISITOR_PROVES */
     bool partial;        /* its bytes do not show the type of its first message yet; peeked at again soon */
     bool verified;       /* a client that has proved the key, or whose first message is complete */
+    bool asked;          /* PLACE has been sent */
     bool closed;         /* a client that has ended its stream */
     double came, until;  /* clock_now() of its connection, and by when it must be verified or answered */
     struct auth_nonces nonces;
@@ -62,6 +65,8 @@ struct lobby {
     size_t n;
     double accept_after; /* clock_now() before which no connection is taken, because the last try failed */
     struct bytes_writer out; /* the payload of the next message */
+    bool named;              /* `id` is drawn */
+    unsigned char id[SERVER_ID];
 };
 
 /* An empty lobby. The listener (-1: none) stays the caller's; `log` may be NULL. */

@@ -44,6 +44,7 @@ void message_put_hello(struct bytes_writer *w, const struct hello_message *m)
 {
     bytes_put_u64(w, m->fingerprint);
     bytes_put_text(w, m->version, strlen(m->version));
+    bytes_put_u8(w, m->turn);
 }
 
 void message_get_hello(struct bytes_reader *r, struct hello_message *m)
@@ -51,7 +52,33 @@ void message_get_hello(struct bytes_reader *r, struct hello_message *m)
     *m = (struct hello_message){0};
     m->fingerprint = bytes_get_u64(r);
     get_text_into(r, m->version, sizeof m->version);
+    m->turn = get_bool(r);
     text_make_printable(m->version, false);
+    require(r, bytes_done(r));
+}
+
+void message_put_place(struct bytes_writer *w, const struct place_message *m)
+{
+    bytes_put_raw(w, m->id, SERVER_ID);
+    bytes_put_u32(w, m->before);
+    bytes_put_text(w, m->peer, strlen(m->peer));
+    bytes_put_text(w, m->deck, strlen(m->deck));
+    bytes_put_i64(w, m->step);
+}
+
+void message_get_place(struct bytes_reader *r, struct place_message *m)
+{
+    *m = (struct place_message){0};
+    const unsigned char *id = bytes_get_raw(r, SERVER_ID);
+    if (id != NULL)
+        memcpy(m->id, id, SERVER_ID);
+    m->before = bytes_get_u32(r);
+    get_text_into(r, m->peer, sizeof m->peer);
+    get_text_into(r, m->deck, sizeof m->deck);
+    m->step = bytes_get_i64(r);
+    require(r, m->step >= 0);
+    text_make_printable(m->peer, false);
+    text_make_printable(m->deck, false);
     require(r, bytes_done(r));
 }
 
@@ -435,6 +462,7 @@ const char *message_name(uint8_t type, char buffer[16])
         [MESSAGE_GRANT] = "GRANT",
         [MESSAGE_STATUS] = "STATUS",
         [MESSAGE_REPORT] = "REPORT",
+        [MESSAGE_PLACE] = "PLACE",
     };
     if (type < sizeof names / sizeof names[0] && names[type] != NULL)
         return names[type];

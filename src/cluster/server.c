@@ -6,6 +6,7 @@
 #include "dm2/cluster/server.h"
 
 #include <stdio.h>
+#include <string.h>
 
 #include "dm2/base/clock.h"
 #include "dm2/base/text.h"
@@ -17,7 +18,7 @@ static const double HANG_UP_SECONDS = 2.0; /* for the client to read the last me
 static enum dm2_status exchange_hellos(struct session *s, struct dm2_error *err)
 {
     struct bytes_reader r;
-    struct hello_message hello, own = {.fingerprint = SELF_TEST_FINGERPRINT};
+    struct hello_message hello, own = {.turn = true, .fingerprint = SELF_TEST_FINGERPRINT};
     struct deadline until = deadline_in(s->options->handshake, s->options->cancel);
     enum dm2_status status = server_expect(s, MESSAGE_HELLO, LIMIT_HELLO, until, &r, err);
     if (status != DM2_OK)
@@ -26,6 +27,14 @@ static enum dm2_status exchange_hellos(struct session *s, struct dm2_error *err)
     if (r.failed)
         return server_not_decoded("HELLO", err);
     (void)snprintf(own.version, sizeof own.version, "%s", s->options->version);
+    if (!hello.turn)
+        return dm2_fail(err, DM2_PROTOCOL, "the client asks for its place where HELLO for its turn is due");
+    if (strcmp(hello.version, own.version) != 0)
+        return dm2_fail(
+            err, DM2_PROTOCOL,
+            "the releases differ: dm2 %s on the client, dm2 %s on the server: install the same dm2 on "
+            "both machines",
+            hello.version, own.version);
     if (hello.fingerprint != own.fingerprint)
         return dm2_fail(
             err, DM2_PROTOCOL,

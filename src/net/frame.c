@@ -225,9 +225,9 @@ static enum dm2_status check_header(struct channel *ch, uint32_t limit, struct d
         return report_fault(ch, FRAME_BAD_MAGIC, &ch->in, limit, err);
     if (ch->filled < FRAME_HEADER)
         return DM2_OK;
-    ch->header_good = true;
-    return report_fault(ch, frame_header_decode(ch->buffer, ch->version, limit, &ch->in), &ch->in, limit,
-                        err);
+    enum frame_fault fault = frame_header_decode(ch->buffer, ch->version, limit, &ch->in);
+    ch->header_good = fault == FRAME_GOOD;
+    return report_fault(ch, fault, &ch->in, limit, err);
 }
 
 /* Reads the bytes that have come into the buffer, which grows when it is full. */
@@ -298,6 +298,15 @@ static enum dm2_status take_frame(struct channel *ch, bool *complete, struct fra
     ch->taken = head + (size_t)ch->in.length;
     ch->frames_in++;
     return DM2_OK;
+}
+
+void channel_put_back(struct channel *ch)
+{
+    if (ch->taken == 0)
+        return;
+    ch->taken = 0;
+    ch->frames_in--;
+    ch->tags_in -= ch->keyed;
 }
 
 bool channel_pending(const struct channel *ch)

@@ -36,7 +36,7 @@ for key in '' '--key key'; do
         --server "127.0.0.1:$TOOL_LINE"
     wait "$TOOL_PID" || fail 'the mirror had no connection'
     case $key in
-    '') expect_text err 'it sent HELLO where WELCOME is due' ;;
+    '') expect_text err 'it sent HELLO where PLACE is due' ;;
     *) expect_text err 'it sent KNOCK where GRANT is due' ;;
     esac
     [ ! -e reflected/final.dm2 ] || fail 'a reflected run has a result'

@@ -88,6 +88,12 @@ static void send_script(int fd, int server)
         n = n < bytes_remaining(&r) ? n : bytes_remaining(&r);
         const unsigned char *payload = bytes_get_raw(&r, n);
         struct iovec part = {(void *)(uintptr_t)payload, n};
+        unsigned char welcome[LIMIT_HELLO];
+        if (type == MESSAGE_WELCOME && n >= 8 && n <= LIMIT_HELLO) {
+            memcpy(welcome, payload, n);
+            fuzz_renew_fingerprint(welcome);
+            payload = welcome;
+        }
         if (type == NEXT_SERVER)
             break;
         if (type == MESSAGE_CHALLENGE && n == AUTH_NONCE)
@@ -199,7 +205,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
                                            .recover = (data[0] & 16) != 0,
                                            .copy_every = 1,
                                            .deck_path = "fuzz.dm2",
-                                           .version = "fuzz",
+                                           .version = "1.0.0", /* that of the inputs */
                                            .timeout = 1,
                                            .hash_every = 1,
                                            .cancel = -1,

@@ -35,11 +35,15 @@ static void get_message(uint8_t type, struct bytes_reader *r)
         struct error_message error;
         struct profile_message profile;
         struct report_message report;
+        struct place_message place;
     } m;
     switch (type) {
     case MESSAGE_HELLO:
     case MESSAGE_WELCOME:
         message_get_hello(r, &m.hello);
+        break;
+    case MESSAGE_PLACE:
+        message_get_place(r, &m.place);
         break;
     case MESSAGE_READY:
         message_get_ready(r, &m.ready);

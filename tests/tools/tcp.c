@@ -18,6 +18,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "dm2/base/version.h"
 #include "dm2/cluster/messages.h"
 #include "dm2/engine/self_test.h"
 #include "dm2/net/socket.h"
@@ -83,7 +84,8 @@ static int serve_connection(bool mirror)
 /* Sends HELLO. True: WELCOME has come, so that the server's session has begun. */
 static bool is_welcome(int fd)
 {
-    const struct hello_message m = {.fingerprint = SELF_TEST_FINGERPRINT, .version = "tcp"};
+    const struct hello_message m = {
+        .turn = true, .fingerprint = SELF_TEST_FINGERPRINT, .version = DM2_VERSION};
     struct bytes_writer w = {0};
     struct channel ch;
     struct frame f = {0};

@@ -221,7 +221,7 @@ TEST(a_full_lobby_makes_room)
     struct report_message m = report(&late[1]);
     CHECK(m.busy);
     CHECK_EQ_INT(m.waiting, 2);
-    CHECK_EQ_INT(l.visitors[0].kind, VISITOR_CLIENT);
+    CHECK_EQ_INT(l.visitors[0].kind, VISITOR_PLACED);
     channel_close(&first);
     for (int k = 0; k < LOBBY_MOST - 1; k++)
         channel_close(&crowd[k]);
@@ -231,5 +231,63 @@ TEST(a_full_lobby_makes_room)
     socket_close(listener);
 }
 
-TEST_MAIN(CASE(a_server_with_a_client_at_hand_is_not_free), CASE(who_waits_has_proved_the_key),
-          CASE(a_full_lobby_makes_room))
+static void put_hello(struct channel *ch, bool turn)
+{
+    const struct hello_message m = {.turn = turn, .fingerprint = 1, .version = "test"};
+    struct bytes_writer w = {0};
+    message_put_hello(&w, &m);
+    put(ch, MESSAGE_HELLO, w.data, w.length);
+    bytes_free(&w);
+}
+
+static struct place_message place(struct channel *ch)
+{
+    struct frame f;
+    struct place_message m = {.step = -1};
+    int type = got(ch, &f);
+    CHECK_EQ_INT(type, MESSAGE_PLACE);
+    if (type == MESSAGE_PLACE) {
+        struct bytes_reader r = bytes_reader_of(f.payload, f.length);
+        message_get_place(&r, &m);
+        CHECK(!r.failed);
+    }
+    return m;
+}
+
+/* A busy server says at once which one it is and whom it serves, with a key and without. A client that has
+ * asked holds nobody up; its session begins after the HELLO with which it takes its turn. */
+TEST(who_asks_gets_a_place_at_once)
+{
+    socket_ignore_sigpipe();
+    for (int keyed = 0; keyed < 2; keyed++) {
+        const struct server_options options = options_with(keyed ? &KEY : NULL);
+        struct lobby l = opened(-1, &options);
+        struct channel first = visitor(&l), second = visitor(&l), taken;
+        struct frame f;
+        make_busy(&l);
+        CHECK(!keyed || prove(&l, &first, MESSAGE_KNOCK, &KEY));
+        CHECK(!keyed || prove(&l, &second, MESSAGE_KNOCK, &KEY));
+        put_hello(&first, false);
+        put_hello(&second, false);
+        look_round(&l);
+        struct place_message a = place(&first), b = place(&second);
+        CHECK_STR(a.peer, "a friend");
+        CHECK_EQ_INT(a.step, 7);
+        CHECK_EQ_INT(a.before, 1);
+        CHECK(memcmp(a.id, b.id, SERVER_ID) == 0);
+        CHECK_EQ_INT(lobby_next(&l, deadline_in(0.01, -1), &taken, NULL), DM2_TIMEOUT);
+        put_hello(&second, true);
+        CHECK_EQ_INT(lobby_next(&l, deadline_in(5, -1), &taken, NULL), DM2_OK);
+        CHECK_EQ_INT(got(&taken, &f), MESSAGE_HELLO);
+        CHECK_EQ_INT(l.n, 1);
+        channel_close(&first);
+        look_round(&l); /* who has asked and leaves gives the place back */
+        CHECK_EQ_INT(l.n, 0);
+        channel_close(&second);
+        channel_close(&taken);
+        lobby_close(&l);
+    }
+}
+
+TEST_MAIN(CASE(who_asks_gets_a_place_at_once), CASE(a_server_with_a_client_at_hand_is_not_free),
+          CASE(who_waits_has_proved_the_key), CASE(a_full_lobby_makes_room))

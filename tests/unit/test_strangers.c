@@ -126,7 +126,7 @@ static bool enter(struct channel *ch, const struct auth_key *key)
 
 static void put_hello(struct bytes_writer *w)
 {
-    const struct hello_message m = {.fingerprint = SELF_TEST_FINGERPRINT, .version = "test"};
+    const struct hello_message m = {.turn = true, .fingerprint = SELF_TEST_FINGERPRINT, .version = "test"};
     message_put_hello(w, &m);
 }
 

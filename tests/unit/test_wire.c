@@ -339,7 +339,7 @@ TEST(an_assign_message_round_trip)
 TEST(the_small_messages)
 {
     struct bytes_writer w = {0};
-    struct hello_message hello = {.fingerprint = 42, .version = "1.2"}, hello_in;
+    struct hello_message hello = {.turn = true, .fingerprint = 42, .version = "1.2"}, hello_in;
     message_put_hello(&w, &hello);
     struct bytes_reader r = bytes_reader_of(w.data, w.length);
     message_get_hello(&r, &hello_in);

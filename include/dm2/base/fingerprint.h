@@ -1,7 +1,8 @@
 /* The arithmetic fingerprint: does this build, on this machine, compute as IEEE 754 specifies?
  *
  * The same bits on all machines need that + - * / and sqrt of doubles round once, to nearest, with subnormals
- * and without contraction. The fingerprint is a part of the one that programs compare (engine/self_test.h). */
+ * and without contraction. The fingerprint is a part of the one that programs compare (engine/self_test.h).
+ */
 #ifndef DM2_BASE_FINGERPRINT_H
 #define DM2_BASE_FINGERPRINT_H
 

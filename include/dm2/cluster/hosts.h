@@ -17,6 +17,7 @@ struct endpoint {
     char host[HOST_MAX + 1];
     int port;
     bool spare; /* replaces a lost server */
+    int line;   /* of the hosts file; 0: from the command line */
 };
 
 /* A growing list; start from {0}. */
@@ -35,11 +36,12 @@ size_t endpoints_sort(struct endpoints *list);
 /* Frees the list's items and empties the list. */
 void endpoints_free(struct endpoints *list);
 
-/* Appends HOST[:PORT]; the port is DEFAULT_PORT unless given. DM2_USAGE names the mistake; DM2_MEMORY. */
+/* Appends HOST[:PORT]; the port is DEFAULT_PORT unless given. DM2_USAGE names the mistake, or the server that
+ * the list has already; DM2_MEMORY. */
 enum dm2_status hosts_parse_server(const char *text, struct endpoints *list, struct dm2_error *err);
 
 /* Appends the servers of a hosts file's text; errors call the file `name`. DM2_USAGE names the line and the
- * mistake, or the file that names no host; DM2_MEMORY. */
+ * mistake, the line of a server that is named before, or the file that names no host; DM2_MEMORY. */
 enum dm2_status hosts_parse(const char *name, const char *text, struct endpoints *list,
                             struct dm2_error *err);
 

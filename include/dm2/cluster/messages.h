@@ -33,8 +33,8 @@ static inline double alive_every(double timeout)
 
 /* c: from the client, s: from the server. */
 enum message_type {
-    MESSAGE_HELLO = 1,    /* c: fingerprint, version of the program */
-    MESSAGE_WELCOME = 2,  /* s: the same, of the server */
+    MESSAGE_HELLO = 1,    /* c: fingerprint, version of the program; asks for its place, or takes its turn */
+    MESSAGE_WELCOME = 2,  /* s: fingerprint, version, of the server; the client's turn has come */
     MESSAGE_DECK = 3,     /* c: the deck by name and digest, with or without its texts */
     MESSAGE_ANSWER = 4,   /* s: the deck is loaded, or its texts are wanted */
     MESSAGE_ASSIGN = 5,   /* c: rank, decomposition */
@@ -54,7 +54,9 @@ enum message_type {
     MESSAGE_GRANT = 23,     /* s: code */
     /* In place of KNOCK and HELLO, also while the server is busy. */
     MESSAGE_STATUS = 24, /* c: nonce */
-    MESSAGE_REPORT = 25  /* s: the state of the server */
+    MESSAGE_REPORT = 25, /* s: the state of the server */
+    /* To a HELLO that asks, also while the server is busy. */
+    MESSAGE_PLACE = 29 /* s: which server this is, and who comes before the client */
 };
 
 /* Largest payloads, bytes. */
@@ -70,9 +72,22 @@ enum {
 
 enum { VERSION_TEXT_MAX = 64, DECK_NAME_MAX = 1024, DECK_TEXTS_MAX = 1000 };
 
+/* HELLO and WELCOME. */
 struct hello_message {
+    bool turn; /* the client waits for its session; false: for PLACE, and its turn is asked for by another
+                  HELLO */
     uint64_t fingerprint;
     char version[VERSION_TEXT_MAX + 1]; /* of the program */
+};
+
+enum { SERVER_ID = 16, PLACE_DECK_MAX = 199 };
+
+struct place_message {
+    unsigned char id[SERVER_ID]; /* drawn at random when the server starts */
+    uint32_t before;             /* clients that come before: in session or waiting for it */
+    char peer[SOCKET_NAME];      /* the client in session; empty: none */
+    char deck[PLACE_DECK_MAX + 1];
+    int64_t step;
 };
 
 /* `source` is complete with texts; without texts it holds only defines and steps. */
@@ -186,6 +201,8 @@ struct error_message {
  * the memory that message_get_X allocated, also after a failure. */
 void message_put_hello(struct bytes_writer *w, const struct hello_message *m);
 void message_get_hello(struct bytes_reader *r, struct hello_message *m);
+void message_put_place(struct bytes_writer *w, const struct place_message *m);
+void message_get_place(struct bytes_reader *r, struct place_message *m);
 void message_put_deck(struct bytes_writer *w, const struct deck_message *m);
 void message_get_deck(struct bytes_reader *r, struct deck_message *m);
 void message_free_deck(struct deck_message *m);

@@ -100,6 +100,9 @@ enum dm2_status channel_send_parts(struct channel *ch, uint8_t type, uint8_t fla
 enum dm2_status channel_send(struct channel *ch, uint8_t type, uint8_t flags, const void *payload,
                              size_t length, struct deadline until, struct dm2_error *err);
 
+/* Puts the frame that was received last back: the next receive hands the frame out again. */
+void channel_put_back(struct channel *ch);
+
 /* Does the buffer hold bytes behind the last frame? They must be taken before a poll, because poll does not
  * see them. */
 bool channel_pending(const struct channel *ch);
