@@ -13,6 +13,7 @@
 #include "dm2/output/run_directory.h"
 #include "places.h"
 #include "process.h"
+#include "signals.h"
 
 void run_options_start(struct run_options *o, const char *program, int argc, char **argv,
                        struct option table[RUN_OPTIONS])
@@ -164,11 +165,18 @@ static enum dm2_status read_restart(const struct run_options *o, struct run *run
     return dm2_fail(err, status, "%s", why.text);
 }
 
-/* Builds the model. The error of a deck whose elements cannot be made is printed like the deck's other
- * findings. */
+static bool is_signalled(void *context)
+{
+    (void)context;
+    return signals_caught() != 0;
+}
+
+/* Builds the model; a signal ends the set-up. The error of a deck whose elements cannot be made is printed
+ * like the deck's other findings. */
 static enum dm2_status build_model(const struct run_options *o, struct run *run, struct dm2_error *err)
 {
-    enum dm2_status status = model_build(&run->config, &run->model, err);
+    const struct pulse pulse = {.stopped = is_signalled};
+    enum dm2_status status = model_build_watched(&run->config, pulse, &run->model, err);
     if (status != DM2_DECK)
         return status;
     (void)fprintf(stderr, "%s\n", err->text);

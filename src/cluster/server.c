@@ -104,6 +104,8 @@ static enum dm2_status serve_client(const struct channel *client, const struct s
         status = server_get_deck(&s, err);
     if (status == DM2_OK && !summary->measured)
         status = serve_run(&s, err);
+    if (status == DM2_INTERRUPTED && server_stopped(&s)) /* the reason of the engine's end */
+        status = dm2_fail(err, s.alive_error.status, "%s", s.alive_error.text);
     if (status != DM2_OK && status != DM2_NET)
         send_error(&s, err);
     /* without s.options->cancel, because a signal must not cut the last message */

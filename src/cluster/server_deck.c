@@ -151,7 +151,8 @@ static enum dm2_status load_deck(struct session *s, struct dm2_error *err)
     if (status == DM2_OK)
         status = check_estimate(s, err);
     if (status == DM2_OK)
-        status = model_build_watched(&s->config, (struct pulse){server_beat, s}, &s->model, err);
+        status =
+            model_build_watched(&s->config, (struct pulse){server_beat, s, server_stopped}, &s->model, err);
     return status == DM2_OK ? check_elements(s, err) : status;
 }
 

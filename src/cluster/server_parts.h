@@ -42,7 +42,7 @@ struct session {
     double timeout;               /* silence of the client after which the session ends */
     double quiet_since;           /* when the last message went either way */
     double alive_every;           /* from quiet_since to ALIVE, and from one ALIVE to the next */
-    struct dm2_error alive_error; /* why an ALIVE could not be sent; the next server_send returns it */
+    struct dm2_error alive_error; /* why the session ends during work; the next server_send returns it */
     double heard;                 /* when the last NEXT came: work since then is `busy` of STEP */
     double ahead;                 /* work on this step before `heard` */
     bool cpu_on;                  /* times.cpu counts, from cpu_since (clock_cpu) on; see count_cpu */
@@ -61,8 +61,12 @@ enum dm2_status server_send(struct session *s, enum message_type type, struct dm
 
 /* Sends ALIVE and answers visitors, where the last message is s->alive_every old. To be called during work
  * that may take longer than the client's timeout; `context` is the session, so that a struct pulse can hold
- * this function. A failure goes to s->alive_error. */
+ * this function. A failure, the end of the client's stream and the wish of the process to end go to
+ * s->alive_error. */
 void server_beat(void *context);
+
+/* Has server_beat found a reason to end the session? */
+bool server_stopped(void *context);
 
 /* Makes *out a reader of the payload of f. DM2_PROTOCOL where f is not of this type, DM2_NET where f is the
  * client's ERROR. */

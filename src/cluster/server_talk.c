@@ -5,6 +5,8 @@
  * server_beat cannot end the session. */
 #include "server_parts.h"
 
+#include <poll.h>
+
 #include "dm2/base/clock.h"
 
 struct deadline server_deadline(const struct session *s)
@@ -24,6 +26,25 @@ enum dm2_status server_send(struct session *s, enum message_type type, struct dm
     return status;
 }
 
+/* Sets s->alive_error where the client has ended its stream or the process is asked to end. */
+static void look_for_end(struct session *s)
+{
+    struct pollfd polls[2] = {{.fd = s->channel.fd, .events = SOCKET_ENDED},
+                              {.fd = s->options->cancel, .events = POLLIN}};
+    if (poll(polls, 2, 0) <= 0)
+        return;
+    if (polls[1].revents != 0)
+        (void)dm2_fail(&s->alive_error, DM2_INTERRUPTED, "asked to end by a signal");
+    else if (polls[0].revents != 0)
+        (void)dm2_fail(&s->alive_error, DM2_NET, "%s closed the connection", s->channel.name);
+}
+
+bool server_stopped(void *context)
+{
+    const struct session *s = context;
+    return s->alive_error.status != DM2_OK;
+}
+
 void server_beat(void *context)
 {
     struct session *s = context;
@@ -31,6 +52,9 @@ void server_beat(void *context)
     if (now - s->quiet_since < s->alive_every || s->alive_error.status != DM2_OK)
         return;
     s->quiet_since = now;
+    look_for_end(s);
+    if (s->alive_error.status != DM2_OK)
+        return;
     (void)channel_send(&s->channel, MESSAGE_ALIVE, 0, NULL, 0, server_deadline(s), &s->alive_error);
     lobby_look(s->lobby);
 }

@@ -131,6 +131,8 @@ static enum dm2_status make_element(struct generation *g, uint64_t grain, const 
     for (int a = 0; a < 2 && model->reaction.any; a++)
         e.share[a] = material == model->reaction.reactant[a] ? 1.0 : 0.0;
     e.probes = find_probes(c, e.r, b->spacing);
+    if (pulse_stopped(&model->pulse))
+        return pulse_give_up(err);
     return g->sink(g->context, &e, err);
 }
 

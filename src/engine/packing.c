@@ -154,11 +154,15 @@ enum dm2_status packing_build(const struct body_config *body, uint32_t first, st
     double touch = 1e-9 * body->grain_size;
     while (sweeps++ < most && worst > (sweeps <= STRICT_SWEEPS ? touch : left_over * body->grain_size)) {
         pulse_beat(set->pulse);
+        if (pulse_stopped(set->pulse))
+            break;
         worst = sweep_discs(body, set, &bins, push_slack);
         if (worst <= touch) /* without slack only overlaps, which the last pushes may have made, move discs */
             worst = sweep_discs(body, set, &bins, 0.0);
     }
     point_bins_free(&bins);
+    if (pulse_stopped(set->pulse))
+        return pulse_give_up(err);
     if (worst > left_over * body->grain_size)
         return config_fail(
             body->packing_place, err, DM2_DECK,

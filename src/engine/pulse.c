@@ -9,3 +9,13 @@ void pulse_beat(const struct pulse *pulse)
     if (pulse != NULL && pulse->beat != NULL)
         pulse->beat(pulse->context);
 }
+
+bool pulse_stopped(const struct pulse *pulse)
+{
+    return pulse != NULL && pulse->stopped != NULL && pulse->stopped(pulse->context);
+}
+
+enum dm2_status pulse_give_up(struct dm2_error *err)
+{
+    return dm2_fail(err, DM2_INTERRUPTED, "interrupted before the first step");
+}

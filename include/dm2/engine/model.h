@@ -33,7 +33,8 @@ struct model_estimate model_estimate(const struct config *config);
  * DM2_MEMORY. On failure *out is NULL. */
 enum dm2_status model_build(const struct config *config, struct model **out, struct dm2_error *err);
 
-/* model_build with a pulse, which beats while the model is built and in all long work that uses the model. */
+/* model_build with a pulse, which beats while the model is built and in all long work that uses the model.
+ * DM2_INTERRUPTED, also of subdomain_create and model_cell_counts: pulse.stopped. */
 enum dm2_status model_build_watched(const struct config *config, struct pulse pulse, struct model **out,
                                     struct dm2_error *err);
 void model_free(struct model *model);
