@@ -278,7 +278,10 @@ DM2_INLINE void damping_lanes(const struct pair_law *law, const struct particles
     const simd_real zero = {0.0};
     simd_real cn = zero + law->cn_mass;
     if (law->a_p != 0.0 || law->a_t != 0.0) {
-        simd_real change = 1.0 + law->a_p * (0.5 * (OF_I(p->p) + OF_J(p->p))) +
+        simd_real pressure = zero; /* a deck without a_p keeps none */
+        if (p->p != NULL)
+            pressure = 0.5 * (OF_I(p->p) + OF_J(p->p));
+        simd_real change = 1.0 + law->a_p * pressure +
                            law->a_t * (0.5 * (OF_I(p->temperature) + OF_J(p->temperature)) - law->t0_mean);
         cn = cn * SIMD_CHOOSE(change > 0.0, change, zero);
     }
