@@ -33,6 +33,14 @@ static void check_hysteresis(const struct deck_binding *b, size_t i)
                        "when '%s' forms: it "
                        "would go back at once",
                        number_text(phase->hysteresis_t, &got), number_text(drop, &want), phase->name);
+    double back = isnan(phase->hysteresis_t) ? 1.1 * drop : phase->hysteresis_t;
+    if (phase->reversible && phase->transition == TRANSITION_TEMPERATURE && back >= phase->t_line &&
+        phase->dt_dp == 0)
+        findings_warn(
+            b->findings, place,
+            "'%s' would go back %.4g K below its line, which is at %s K: no temperature is below 0 K, "
+            "so that the phase stays",
+            phase->name, back, number_text(phase->t_line, &want));
     double relief = from->rho0 * (from->c0 * from->c0) * (1.0 - ratio);
     if (phase->reversible && phase->transition == TRANSITION_PRESSURE && phase->hysteresis_p < 0.5 * relief)
         findings_warn(b->findings, binding_place(b, b->blocks[BLOCK_PHASE][i], "hysteresis_p", 0),
@@ -59,6 +67,26 @@ static void check_latent(const struct deck_binding *b, size_t i)
                        "give less latent heat or a larger cp",
                        phase->name, number_text(taken, &got), number_text(phase->t_line, &line),
                        number_text(held, &want), number_text(taken / cp, &drop));
+}
+
+/* A reaction that takes up heat cools its elements, by |heat|/cp once all is product. */
+static void warn_cooling(const struct deck_binding *b, size_t i)
+{
+    const struct config *c = b->config;
+    const struct reaction_config *r = &c->reactions[i];
+    double coldest = HUGE_VAL, drop = -r->heat / c->materials[r->product].cp;
+    struct number_text want;
+    for (size_t k = 0; k < c->n_bodies; k++)
+        for (size_t m = 0; m < c->bodies[k].n_mix; m++)
+            if (c->bodies[k].mix_material[m] == r->reactant[0] ||
+                c->bodies[k].mix_material[m] == r->reactant[1])
+                coldest = fmin(coldest, c->bodies[k].temperature);
+    if (drop > coldest)
+        findings_warn(
+            b->findings, binding_place(b, b->blocks[BLOCK_REACTION][i], "heat", 0),
+            "the reaction '%s' takes up heat that lowers the temperature by |heat|/cp = %.4g K, and its "
+            "reactants start at %s K: temperatures may fall below 0 K",
+            r->name, drop, number_text(coldest, &want));
 }
 
 /* A body that lies beyond the line at zero pressure would change its phase at the first step. */
@@ -142,6 +170,7 @@ static void check_reaction(const struct deck_binding *b, size_t i)
                 m->name, number_text(m->t0, &other), c->materials[material[0]].name,
                 number_text(c->materials[material[0]].t0, &first));
     }
+    warn_cooling(b, i);
 }
 
 void check_chemistry(const struct deck_binding *b)

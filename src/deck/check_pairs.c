@@ -7,13 +7,7 @@
 
 #include "dm2/base/mem.h"
 #include "check.h"
-
-struct pair_check {
-    const struct deck_binding *b;
-    int materials[2];
-    enum relation relation;
-    struct interaction_config law;
-};
+#include "check_laws.h"
 
 static void check_material(const struct deck_binding *b, size_t i)
 {
@@ -47,12 +41,12 @@ static size_t deciding_block(const struct pair_check *p, const char *key)
     return rule < 0 ? p->b->tree->n_blocks : p->b->blocks[BLOCK_INTERACTION][rule];
 }
 
-static bool is_set(const struct pair_check *p, const char *key)
+bool pair_check_given(const struct pair_check *p, const char *key)
 {
     return deciding_block(p, key) < p->b->tree->n_blocks;
 }
 
-static struct deck_place key_place(const struct pair_check *p, const char *key)
+struct deck_place pair_check_place(const struct pair_check *p, const char *key)
 {
     return binding_place(p->b, deciding_block(p, key), key, 0);
 }
@@ -64,25 +58,23 @@ static const char *potential_name(enum potential_kind potential)
                                             : "lennard-jones";
 }
 
-/* True if the keyword is given for the potential of the pair: not by a rule that is more general than the
- * rule which chooses the potential. */
-static bool given_for_potential(const struct pair_check *p, const char *key)
+bool pair_check_given_for(const struct pair_check *p, const char *key, const char *chooser)
 {
     const struct config *c = p->b->config;
     int m = p->materials[0], n = p->materials[1];
     int rule = interaction_rule_of(c, m, n, p->relation, key_index(key));
-    int potential = interaction_rule_of(c, m, n, p->relation, key_index("potential"));
-    if (rule < 0 || potential < 0)
+    int chosen = interaction_rule_of(c, m, n, p->relation, key_index(chooser));
+    if (rule < 0 || chosen < 0)
         return rule >= 0;
     return interaction_rule_rank(&c->rules[rule], m, n, p->relation) >=
-           interaction_rule_rank(&c->rules[potential], m, n, p->relation);
+           interaction_rule_rank(&c->rules[chosen], m, n, p->relation);
 }
 
 static void warn_meaningless(const struct pair_check *p, const char *key)
 {
-    if (given_for_potential(p, key))
-        findings_warn(p->b->findings, key_place(p, key), "'%s' has no meaning for the potential %s", key,
-                      potential_name(p->law.potential));
+    if (pair_check_given_for(p, key, "potential"))
+        findings_warn(p->b->findings, pair_check_place(p, key), "'%s' has no meaning for the potential %s",
+                      key, potential_name(p->law.potential));
 }
 
 /* Checks for keywords of another potential, and for Hugoniot data that the potential cannot follow. */
@@ -94,15 +86,16 @@ static void check_potential(const struct pair_check *p)
     if (!lj) {
         warn_meaningless(p, "epsilon");
         warn_meaningless(p, "sigma");
-    } else if (is_set(p, "epsilon") != is_set(p, "sigma")) {
+    } else if (pair_check_given(p, "epsilon") != pair_check_given(p, "sigma")) {
         findings_error(
-            p->b->findings, key_place(p, is_set(p, "epsilon") ? "epsilon" : "sigma"),
+            p->b->findings, pair_check_place(p, pair_check_given(p, "epsilon") ? "epsilon" : "sigma"),
             "'epsilon' and 'sigma' go together, or neither is given and both follow from the stiffness");
     }
     for (int i = 0; i < 2 && !morse; i++)
-        if (binding_given(p->b, p->b->blocks[BLOCK_MATERIAL][p->materials[i]], "s") && !is_set(p, "epsilon"))
+        if (binding_given(p->b, p->b->blocks[BLOCK_MATERIAL][p->materials[i]], "s") &&
+            !pair_check_given(p, "epsilon"))
             findings_warn(
-                p->b->findings, key_place(p, "potential"),
+                p->b->findings, pair_check_place(p, "potential"),
                 "the potential %s has s = %s built in: only rho0 c0^2 of '%s' can be fitted, not its s",
                 potential_name(p->law.potential), lj ? "3" : "0.375",
                 p->b->config->materials[p->materials[i]].name);
@@ -112,9 +105,9 @@ static void check_potential(const struct pair_check *p)
 static void check_calibration(const struct pair_check *p)
 {
     static const char *const needed[] = {"rho0", "c0", "s"};
-    bool stiffness =
-        !is_set(p, "k") && !(p->law.potential == POTENTIAL_LENNARD_JONES && is_set(p, "epsilon"));
-    bool shape = p->law.potential == POTENTIAL_MORSE && !is_set(p, "shape");
+    bool stiffness = !pair_check_given(p, "k") &&
+                     !(p->law.potential == POTENTIAL_LENNARD_JONES && pair_check_given(p, "epsilon"));
+    bool shape = p->law.potential == POTENTIAL_MORSE && !pair_check_given(p, "shape");
     for (int i = 0; i < 2; i++) {
         size_t block = p->b->blocks[BLOCK_MATERIAL][p->materials[i]];
         const char *name = p->b->config->materials[p->materials[i]].name;
@@ -140,7 +133,7 @@ static void check_yield(const struct pair_check *p)
 {
     int m = p->materials[0];
     size_t block = p->b->blocks[BLOCK_MATERIAL][m];
-    if (p->materials[1] == m && !is_set(p, "kt_ratio") && p->b->config->materials[m].yield > 0 &&
+    if (p->materials[1] == m && !pair_check_given(p, "kt_ratio") && p->b->config->materials[m].yield > 0 &&
         binding_given(p->b, block, "yield") && binding_missing(p->b, block, "shear"))
         findings_warn(
             p->b->findings, binding_place(p->b, block, "yield", 0),
@@ -154,10 +147,8 @@ static void check_ranges(const struct pair_check *p)
     const struct config *c = p->b->config;
     double reach = p->law.link_break * config_contact_distance(c);
     struct number_text a, b;
-    if (p->law.scope == SCOPE_LINKED && is_set(p, "cutoff"))
-        findings_warn(p->b->findings, key_place(p, "cutoff"), "'cutoff' has no meaning for the scope linked");
     if (p->law.scope == SCOPE_ALL && p->law.cutoff > c->r_c)
-        findings_error(p->b->findings, key_place(p, "cutoff"),
+        findings_error(p->b->findings, pair_check_place(p, "cutoff"),
                        "'cutoff' = %s cm is beyond r_c = %s cm, up to which pairs are found",
                        number_text(p->law.cutoff, &a), number_text(c->r_c, &b));
     if ((p->law.linked || p->law.link_form > 0) && c->r_c < reach && c->r_c >= config_contact_distance(c))
@@ -176,23 +167,44 @@ static void check_pair(const struct deck_binding *b, int m, int n, enum relation
     check_calibration(&p);
     check_ranges(&p);
     check_yield(&p);
+    check_law(&p);
 }
 
 struct usage {
     unsigned char together[MATERIAL_MAX][MATERIAL_MAX]; /* two materials occur together in a body */
+    unsigned char grains[MATERIAL_MAX][MATERIAL_MAX];   /* the same in a body of several grains */
     size_t bodies[MATERIAL_MAX];                        /* the number of bodies that have the material */
     size_t last[MATERIAL_MAX];                          /* the last of these bodies */
 };
 
+/* The materials of a body's elements, the product of a reaction included. Returns their number. */
+static size_t list_materials(const struct config *c, const struct body_config *body, size_t list[MIX_MAX + 1])
+{
+    size_t n = body->n_mix;
+    bool product = false;
+    for (size_t x = 0; x < n; x++) {
+        list[x] = (size_t)body->mix_material[x];
+        for (int a = 0; a < 2 && c->n_reactions > 0; a++)
+            product |= c->reactions[0].reactant[a] == body->mix_material[x] && c->reactions[0].product >= 0;
+    }
+    for (size_t x = 0; x < n && product; x++)
+        product = list[x] != (size_t)c->reactions[0].product;
+    if (product)
+        list[n++] = (size_t)c->reactions[0].product;
+    return n;
+}
+
 static void count_usage(const struct config *c, struct usage *u)
 {
     for (size_t i = 0; i < c->n_bodies; i++) {
-        const struct body_config *body = &c->bodies[i];
-        for (size_t x = 0; x < body->n_mix; x++) {
-            u->bodies[body->mix_material[x]]++;
-            u->last[body->mix_material[x]] = i;
-            for (size_t y = 0; y < body->n_mix; y++)
-                u->together[body->mix_material[x]][body->mix_material[y]] = 1;
+        size_t list[MIX_MAX + 1], n = list_materials(c, &c->bodies[i], list);
+        for (size_t x = 0; x < n; x++) {
+            u->bodies[list[x]]++;
+            u->last[list[x]] = i;
+            for (size_t y = 0; y < n; y++) {
+                u->together[list[x]][list[y]] = 1;
+                u->grains[list[x]][list[y]] |= c->bodies[i].structure != STRUCTURE_CRYSTAL;
+            }
         }
     }
 }
@@ -218,6 +230,8 @@ void check_materials(const struct deck_binding *b)
         for (size_t n = 0; n <= m && !b->findings->more_errors; n++) {
             if (u->together[m][n])
                 check_pair(b, (int)n, (int)m, RELATION_SAME_GRAIN);
+            if (u->grains[m][n])
+                check_pair(b, (int)n, (int)m, RELATION_OTHER_GRAIN);
             if (meet_across_bodies(u, m, n))
                 check_pair(b, (int)n, (int)m, RELATION_OTHER_BODY);
         }

@@ -114,7 +114,8 @@ static const struct deck_key phase_keys[] = {
     {"reversible", VALUE_FLAG, 1, PLAIN, ANY, .choices = "no|yes", .initial = "yes", PHASE(reversible),
      .meaning = "does it go back below its line"},
     {"p_line", VALUE_REAL, 1, STRESS, ANY, .initial = "0", PHASE(p_line),
-     .meaning = "pressure of one point of the line"},
+     .meaning = "pressure of one point of the line: half the sum of the stresses in the plane, which is 0.67 "
+                "to 0.71 of the axial stress of a plane shock"},
     {"t_line", VALUE_REAL, 1, TEMPERATURE, NOT_NEGATIVE, .required = true, PHASE(t_line),
      .meaning = "temperature of that point, at which `latent` is meant"},
     {"dp_dt", VALUE_REAL, 1, DIM(-1, 1, -2, -1), ANY, .initial = "0", PHASE(dp_dt),

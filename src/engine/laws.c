@@ -1,9 +1,5 @@
-/* Calibration (docs/physics.md, section 3): a hexagonal nearest-neighbour lattice of stiffness kn, kt has
- * C11 = sqrt(3)/4 (3 kn + kt)/h and C66 = sqrt(3)/4 (kn + kt)/h. With K0 = rho0 c0^2:
- *   uniaxial: kn = 4 K0 h/(3 sqrt 3), Morse shape a = (16 S + 3)/9  (right for plane shocks)
- *   bulk:     kn = 2 K0 h/sqrt 3,     Morse shape a = (8 S - 3)/3   (right for isotropic loading)
- *   kt = 4 G h/sqrt 3 - kn, kept within [0, kn/2].
- * A pair of two materials: harmonic mean of K0 and G, mean of S, the weaker of Y and Yt.
+/* The laws of all pairs of kinds, from the constants of materials and interactions (docs/physics.md, section
+ * 3); two materials have the weaker of their Y and of their Yt.
  *
  * Every table entry is computed with the pair's kinds in ascending order, so that law(a, b) and law(b, a)
  * have the same bits. */
@@ -13,41 +9,32 @@
 #include <stdlib.h>
 
 #include "dm2/base/mem.h"
+#include "dm2/deck/lattice.h"
 #include "kinds.h"
-
-static const double root3 = 0x1.bb67ae8584caap0;
-
-static double harmonic_mean(double a, double b)
-{
-    return a + b > 0.0 ? 2.0 * (a * b) / (a + b) : 0.0;
-}
 
 /* Sets k and shape of the pair, from an explicit k, from plain epsilon and sigma, or from Hugoniot data. */
 static enum dm2_status calibrate_centre(const struct material_config *a, const struct material_config *b,
                                         const struct interaction_config *in, struct pair_law *law,
                                         struct dm2_error *err)
 {
-    double s = 0.5 * (a->s + b->s);
-    bool bulk = in->calibration == CALIBRATION_BULK;
     if (!isnan(in->epsilon)) {
         double cube_root2 = 0x1.428a2f98d728bp0; /* 2^(1/3) */
         law->eps12 = 12.0 * in->epsilon;
         law->rm2 = cube_root2 * (in->sigma * in->sigma);
         law->strength = law->eps12 / law->rm2;
-        law->k = 72.0 * in->epsilon / law->rm2;
+        law->k = lattice_atomic_stiffness(in->epsilon, in->sigma);
     } else if (!isnan(in->k)) {
         law->k = in->k;
     } else {
-        double k0 = harmonic_mean(a->rho0 * (a->c0 * a->c0), b->rho0 * (b->c0 * b->c0));
-        if (!(k0 > 0.0))
+        law->k = lattice_stiffness(a, b, in->calibration);
+        if (!(law->k > 0.0))
             return dm2_fail(
                 err, DM2_DECK,
                 "materials '%s' and '%s' have no stiffness: give them rho0 and c0, or the interaction k, "
                 "or epsilon and sigma",
                 a->name, b->name);
-        law->k = bulk ? 2.0 * k0 / root3 : 4.0 * k0 / (3.0 * root3);
     }
-    law->shape = kind_given(in->shape, bulk ? (8.0 * s - 3.0) / 3.0 : (16.0 * s + 3.0) / 9.0);
+    law->shape = kind_given(in->shape, lattice_shape(a, b, in->calibration));
     if (law->potential != POTENTIAL_MORSE)
         law->shape = 0.0;
     else if (!(law->shape > 0.0))
@@ -55,7 +42,7 @@ static enum dm2_status calibrate_centre(const struct material_config *a, const s
             err, DM2_DECK,
             "the Morse potential of '%s' and '%s' has no shape: give the materials s (above %s), or the "
             "interaction a shape",
-            a->name, b->name, bulk ? "3/8 for bulk calibration" : "0");
+            a->name, b->name, in->calibration == CALIBRATION_BULK ? "3/8 for bulk calibration" : "0");
     return DM2_OK;
 }
 
@@ -88,12 +75,7 @@ static enum dm2_status build_law(const struct model *m, size_t ia, size_t ib, en
     }
     law->cn = in.zeta * 2.0 * sqrt(law->k);
     law->ct = in.ct_ratio * 2.0 * sqrt(law->k);
-    law->kt_link = in.kt_ratio * law->k;
-    if (isnan(in.kt_ratio)) {
-        double g = isnan(a->shear) || isnan(b->shear) ? 0.0 : harmonic_mean(a->shear, b->shear);
-        double kt = 4.0 * g / root3 - law->k;
-        law->kt_link = kt < 0.0 ? 0.0 : kt > 0.5 * law->k ? 0.5 * law->k : kt;
-    }
+    law->kt_link = isnan(in.kt_ratio) ? lattice_shear_stiffness(a, b, law->k) : in.kt_ratio * law->k;
     /* Dry friction needs a tangential spring even where the lattice has none: 2/7 kn, the ratio that
      * Schaefer, Dippel, Wolf, J. Phys. I 6 (1996) 5, use for discs. */
     law->kt_contact = in.mu > 0.0 && law->kt_link < 2.0 / 7.0 * law->k && isnan(in.kt_ratio)
@@ -104,7 +86,7 @@ static enum dm2_status build_law(const struct model *m, size_t ia, size_t ib, en
     law->yield_j = kind_given(in.yield, kind_given(b->yield, INFINITY));
     law->tensile_i = kind_given(in.tensile, kind_given(a->tensile, INFINITY));
     law->tensile_j = kind_given(in.tensile, kind_given(b->tensile, INFINITY));
-    law->conduction = in.conductance * harmonic_mean(a->kappa, b->kappa);
+    law->conduction = in.conductance * lattice_mean(a->kappa, b->kappa);
     law->near = law->scope == SCOPE_LINKED || law->cn > 0.0 || law->tangential || law->conduction > 0.0;
     law->cn_mass = law->ct_mass = -1.0;
     return DM2_OK;
