@@ -1,0 +1,248 @@
+/* The constants that the engine works out from a deck: the lattice of a material, the laws of pairs, the heat
+ * capacity of a mixture; and the range of the reaction. */
+#include "thermo_help.h"
+
+#include "dm2/deck/lattice.h"
+#include "engine/law.h"
+#include "engine/particles.h"
+#include "engine/tables.h"
+
+static const double root3 = 1.7320508075688772;
+
+/* --- the lattice --- */
+
+static struct material_config metal(double rho0, double c0, double s, double shear)
+{
+    return (struct material_config){.rho0 = rho0, .c0 = c0, .s = s, .shear = shear};
+}
+
+TEST(lattice_constants_follow_from_hugoniot_data)
+{
+    struct material_config a = metal(8.93, 0.394, 1.489, 0.477), b = metal(2.703, 0.535, 1.34, 0.276);
+    double k0 = 8.93 * 0.394 * 0.394, kb = 2.703 * 0.535 * 0.535, both = 2.0 / (1.0 / k0 + 1.0 / kb);
+    CHECK_NEAR_REL(lattice_stiffness(&a, &a, CALIBRATION_UNIAXIAL), 4.0 * k0 / (3.0 * root3), 1e-14);
+    CHECK_NEAR_REL(lattice_stiffness(&a, &a, CALIBRATION_BULK), 2.0 * k0 / root3, 1e-14);
+    CHECK_NEAR_REL(lattice_stiffness(&a, &b, CALIBRATION_BULK), 2.0 * both / root3, 1e-14);
+    CHECK_NEAR_REL(lattice_shape(&a, &a, CALIBRATION_UNIAXIAL), (16.0 * 1.489 + 3.0) / 9.0, 1e-14);
+    CHECK_NEAR_REL(lattice_shape(&a, &b, CALIBRATION_BULK), (8.0 * 1.4145 - 3.0) / 3.0, 1e-14);
+    for (int c = 0; c < 2; c++) {
+        enum calibration_kind kind = (enum calibration_kind)c;
+        CHECK_NEAR_REL(lattice_sound_speed(lattice_stiffness(&a, &a, kind), a.rho0, kind), a.c0, 1e-14);
+        CHECK_NEAR_REL(lattice_slope(lattice_shape(&a, &a, kind), kind), a.s, 1e-14);
+    }
+}
+
+TEST(shear_stiffness_stays_within_its_bounds)
+{
+    static const double want[] = {0.0, 0.0, 0.25, 0.5, 0.5};
+    for (int k = 0; k < 5; k++) {
+        double g = 0.25 * root3 * (0.75 + 0.25 * k); /* of the modulus that kn = 1 alone has */
+        struct material_config a = metal(1.0, 1.0, 1.0, g), none = metal(1.0, 1.0, 1.0, (double)NAN);
+        CHECK_NEAR(lattice_shear_stiffness(&a, &a, 1.0), want[k], 1e-15);
+        CHECK_NEAR(lattice_shear_stiffness(&a, &none, 1.0), 0.0, 0.0);
+        CHECK_NEAR_REL(lattice_shear_modulus(1.0, want[k]),
+                       k == 0   ? 0.25 * root3
+                       : k == 4 ? 0.375 * root3
+                                : g,
+                       1e-15);
+    }
+}
+
+/* The strongest pull, searched in steps of 1e-5 r0, over the facet r0/sqrt 3. */
+TEST(strength_is_the_strongest_pull)
+{
+    const double r0 = 0.04;
+    for (int p = POTENTIAL_QUADRATIC; p <= POTENTIAL_LENNARD_JONES; p++) {
+        struct pair_law law = {.potential = (enum potential_kind)p, .k = 1.4, .shape = 2.9};
+        double most = 0.0, u, claimed = lattice_strength(law.potential, law.k, law.shape);
+        for (double x = r0; x < 2.0 * r0 && p != POTENTIAL_QUADRATIC; x += 1e-5 * r0)
+            most = fmax(most, -potential_force(&law, x, r0, &u));
+        if (p == POTENTIAL_QUADRATIC)
+            CHECK(isinf(claimed));
+        else
+            CHECK_NEAR_REL(claimed, most / (r0 / root3), 1e-8);
+    }
+}
+
+/* --- the laws of pairs --- */
+
+/* The law of a material A (kn = 4 rho0 c0^2/(3 sqrt 3) = 1 for uniaxial calibration) in one grain, with G in
+ * units of what the central forces have. */
+static struct pair_law law_of(double shear, const char *rules)
+{
+    char text[1000];
+    struct engine g;
+    (void)snprintf(text, sizeof text,
+                   "domain { size = 1 1; r_c = 0.1; delta_r = 0.01 }\ntime { dt = 0.001; steps = 1 }\n"
+                   "material A { rho0 = 0.75*sqrt(3); c0 = 1; s = 1.5; shear = %.17g }\n"
+                   "body b { shape = rectangle 0 0 0.5 1; spacing = 0.04; material = A }\n"
+                   "interaction { %s }\n",
+                   0.25 * root3 * shear, rules);
+    engine_load(&g, text, NULL, 1);
+    struct pair_law law = *model_law(g.model, 0, 0, RELATION_SAME_GRAIN);
+    engine_stop(&g);
+    return law;
+}
+
+TEST(laws_follow_their_calibration)
+{
+    struct pair_law uniaxial = law_of(1.2, ""), bulk = law_of(2.0, "calibration = bulk");
+    CHECK_NEAR_REL(uniaxial.k, 1.0, 1e-14);
+    CHECK_NEAR_REL(uniaxial.shape, 3.0, 1e-14);
+    CHECK_NEAR_REL(uniaxial.kt_link, 0.2, 1e-13);
+    CHECK_NEAR_REL(bulk.k, 1.5, 1e-14);
+    CHECK_NEAR_REL(bulk.shape, 3.0, 1e-14);
+    CHECK_NEAR_REL(bulk.kt_link, 0.5, 1e-13);
+    struct pair_law other = law_of(1.2, "calibration = bulk; k = 1");
+    CHECK_NEAR_REL(other.k, 1.0, 0.0);
+    CHECK_NEAR_REL(other.kt_link, 0.2, 1e-13);
+}
+
+/* 1.5 is the slope for which both calibrations give a = 3. */
+TEST(shapes_of_the_calibrations_differ)
+{
+    struct engine g;
+    for (int bulk = 0; bulk < 2; bulk++) {
+        char text[500];
+        (void)snprintf(text, sizeof text,
+                       "domain { size = 1 1; r_c = 0.1; delta_r = 0.01 }\ntime { dt = 0.001; steps = 1 }\n"
+                       "material A { rho0 = 1; c0 = 1; s = 2 }\nmaterial B { rho0 = 1; c0 = 1; s = 0.9 }\n"
+                       "body b { shape = rectangle 0 0 0.5 1; spacing = 0.04; mix = A 0.5, B 0.5 }\n"
+                       "interaction { calibration = %s }\n",
+                       bulk ? "bulk" : "uniaxial");
+        engine_load(&g, text, NULL, 1);
+        for (int r = 0; r < RELATION_COUNT; r++) {
+            CHECK_NEAR_REL(model_law(g.model, 0, 0, (enum relation)r)->shape, bulk ? 13.0 / 3.0 : 35.0 / 9.0,
+                           1e-14);
+            CHECK_NEAR_REL(model_law(g.model, 1, 0, (enum relation)r)->shape,
+                           bulk ? (8.0 * 1.45 - 3.0) / 3.0 : (16.0 * 1.45 + 3.0) / 9.0, 1e-14);
+        }
+        engine_stop(&g);
+    }
+}
+
+/* Friction has a spring of 2/7 kn where the lattice gives less; links keep the lattice's. */
+TEST(friction_has_a_spring)
+{
+    struct pair_law frictionless = law_of(1.2, ""), soft = law_of(1.2, "mu = 0.3"),
+                    none = law_of(0.9, "mu = 0.3"), stiff = law_of(1.4, "mu = 0.3"),
+                    told = law_of(1.2, "mu = 0.3; kt_ratio = 0.1");
+    CHECK_NEAR_REL(frictionless.kt_contact, 0.2, 1e-13);
+    CHECK_NEAR_REL(soft.kt_contact, 2.0 / 7.0, 1e-14);
+    CHECK_NEAR_REL(soft.kt_link, 0.2, 1e-13);
+    CHECK_NEAR_REL(none.kt_contact, 2.0 / 7.0, 1e-14);
+    CHECK_NEAR(none.kt_link, 0.0, 0.0);
+    CHECK_NEAR_REL(stiff.kt_contact, 0.4, 1e-13);
+    CHECK_NEAR_REL(told.kt_contact, 0.1, 1e-14);
+    CHECK(none.tangential && soft.tangential);
+}
+
+/* Damping that changes with temperature alone: at 1300 K and a_t = 0.001/K twice as much. */
+TEST(damping_by_temperature_needs_no_pressure)
+{
+    static const char deck[] =
+        "domain { size = 1 1; r_c = 0.06; delta_r = 0.01 }\ntime { dt = 0.001; steps = 20 }\n"
+        "material A { rho0 = 8; c0 = 0.4; s = 1.5; shear = 0.5; cp = 1e6 }\n"
+        "let zeta = 0.1\nlet a_t = 0\ninteraction { zeta = zeta; a_t = a_t }\n"
+        "body b { shape = disc 0.5 0.5 0.2; spacing = 0.04; material = A; jitter = 0.001; temperature = 1300 "
+        "}\n";
+    const char *const plain[] = {"zeta=0.2", NULL}, *const heated[] = {"a_t=0.001", NULL};
+    struct engine_state s[2];
+    for (int k = 0; k < 2; k++) {
+        struct engine g;
+        engine_start(&g, deck, k == 0 ? plain : heated, 1);
+        engine_run(&g, 19);
+        (void)thermo_step(&g);
+        s[k] = engine_collect(&g, false);
+        engine_stop(&g);
+    }
+    CHECK_EQ_INT(s[0].n, s[1].n);
+    for (size_t i = 0; i < s[0].n; i++)
+        for (int c = 0; c < 2; c++)
+            CHECK_NEAR(s[0].e[i].v[c], s[1].e[i].v[c], 1e-15);
+    engine_state_free(&s[0]);
+    engine_state_free(&s[1]);
+}
+
+/* --- mixtures and the range of the reaction --- */
+
+#define REACTION                                                                                             \
+    "reaction r { reactants = Ni Al; product = NiAl; masses = 8.874, 2.703; k0 = 1e4; ea = 60 kJ/mol\n"      \
+    "             heat = 1.54 kJ/g }\n"
+
+TEST(a_mixture_has_the_heat_capacity_of_its_parts)
+{
+    static const char deck[] = THERMO_FRAME REACTION
+        "material W { rho0 = 19; c0 = 0.4; s = 1.2; cp = 1.3e-6 }\n"
+        "phase Al liquid { transition = temperature; t_line = 933; cp = 1.18e-5 }\n" THERMO_SPECIMEN;
+    enum { NI, AL, NIAL, W, AL_LIQUID };
+    static const struct {
+        int kind;
+        double share[2], cp;
+    } given[] = {{NI, {1, 0}, 4.4e-6},
+                 {AL, {0, 1}, 8.97e-6},
+                 {NIAL, {0, 0}, 5.4e-6},
+                 {NI, {0.5, 0.2}, 0.5 * 4.4e-6 + 0.2 * 8.97e-6 + 0.3 * 5.4e-6},
+                 {AL, {0.1, 0.8}, 0.1 * 4.4e-6 + 0.8 * 8.97e-6 + 0.1 * 5.4e-6},
+                 {NIAL, {0.004, 0.005}, 0.004 * 4.4e-6 + 0.005 * 8.97e-6 + 0.991 * 5.4e-6},
+                 {AL_LIQUID, {0.1, 0.6}, 0.1 * 4.4e-6 + 0.6 * 1.18e-5 + 0.3 * 5.4e-6},
+                 {W, {0, 0}, 1.3e-6}};
+    struct engine g;
+    struct particles p;
+    engine_load(&g, deck, NULL, 1);
+    particles_start(&p, g.model);
+    CHECK_EQ_INT(particles_reserve(&p, 1), 0);
+    p.n = p.n_own = 1;
+    for (size_t k = 0; k < sizeof given / sizeof given[0]; k++) {
+        struct element e = {.kind = (uint16_t)given[k].kind,
+                            .was = (uint16_t)given[k].kind,
+                            .radius = 0.02,
+                            .mass = 0.004,
+                            .heat = 0.004 * given[k].cp * 250.0,
+                            .share = {given[k].share[0], given[k].share[1]}};
+        particles_put(&p, g.model, 0, &e);
+        CHECK_NEAR_REL(particles_heat_capacity(&p, g.model, 0), given[k].cp, 1e-14);
+        CHECK_NEAR_REL(p.temperature[0], 550.0, 1e-14);
+    }
+    particles_free(&p);
+    engine_stop(&g);
+}
+
+/* What two elements that are not linked convert in two steps at this distance, in contact distances. */
+static double converted(double distance)
+{
+    char place[48];
+    const char *const defines[] = {place, NULL};
+    struct engine g;
+    (void)snprintf(place, sizeof place, "x=0.2 + 0.04*%.17g", distance);
+    engine_start(&g,
+                 THERMO_METALS
+                 "let x = 0\ndomain { size = 0.4, 0.4; r_c = 0.06; delta_r = 0.01 }\n"
+                 "time { dt = 0.01; steps = 2 }\n" REACTION
+                 "body a { shape = disc 0.2, 0.2, 0.01; spacing = 0.04; origin = 0.2, 0.2; material = Ni\n"
+                 "         motion = fixed; temperature = 900 }\n"
+                 "body b { shape = disc x, 0.2, 0.01; spacing = 0.04; origin = x, 0.2; material = Al\n"
+                 "         motion = fixed; temperature = 900 }\n",
+                 defines, 1);
+    struct measures m = thermo_step(&g);
+    double before = thermo_energy(&g, &m.chemical);
+    m = thermo_step(&g);
+    double after = thermo_energy(&g, &m.chemical);
+    engine_stop(&g);
+    return before - after;
+}
+
+TEST(elements_react_where_they_touch)
+{
+    CHECK(converted(0.9) > 0.0);
+    CHECK(converted(0.9999) > 0.0);
+    CHECK_NEAR(converted(1.0001), 0.0, 0.0);
+    CHECK_NEAR(converted(1.01), 0.0, 0.0);
+    CHECK_NEAR(converted(1.04), 0.0, 0.0);
+}
+
+TEST_MAIN(CASE(lattice_constants_follow_from_hugoniot_data), CASE(shear_stiffness_stays_within_its_bounds),
+          CASE(strength_is_the_strongest_pull), CASE(laws_follow_their_calibration),
+          CASE(shapes_of_the_calibrations_differ), CASE(friction_has_a_spring),
+          CASE(damping_by_temperature_needs_no_pressure), CASE(a_mixture_has_the_heat_capacity_of_its_parts),
+          CASE(elements_react_where_they_touch))
