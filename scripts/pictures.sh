@@ -1,67 +1,83 @@
 #!/bin/sh
 # Draws the pictures that README and docs show, each from a run of its deck as it is.
 #
-#     make && sh scripts/pictures.sh        writes docs/plate-impact*.svg and docs/gallery/*.svg
+#     make && sh scripts/pictures.sh            writes docs/plate-impact*.svg and docs/gallery/*.svg
+#     sh scripts/pictures.sh -o DIR [DECK...]   writes the pictures of these decks below DIR
+#
+# tests/e2e/pictures.sh draws them anew and compares the bytes.
 set -eu
 bin=${DM2_BIN:-bin}
+to=docs
+while getopts o: option; do
+    case $option in
+    o) to=$OPTARG ;;
+    *) sed -n '4,5s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
+    esac
+done
+shift $((OPTIND - 1))
+all='plate-impact cu-polycrystal hmx-powder shear-band granular-shear spall phase-front sliding-block heat-rod'
 runs=$(mktemp -d)
 trap 'rm -rf "$runs"' EXIT
+mkdir -p "$to/gallery"
 
-# run DECK
-run()
-{
-    "$bin/dm2-seq" "input/$1.dm2" -q -o "$runs/$1" --overwrite
-}
-
-# snapshot PICTURE DECK STEP OPTION...; chart PICTURE DECK TABLE OPTION...
+# snapshot PICTURE STEP OPTION...; chart PICTURE TABLE OPTION...: of the run of $deck
 snapshot()
 {
-    picture=$1 deck=$2 step=$3
-    shift 3
-    "$bin/dm2-plot" snapshot "$runs/$deck/snapshots/state-$(printf %09d "$step").vtp" -o "docs/$picture.svg" "$@"
+    picture=$1 step=$2
+    shift 2
+    "$bin/dm2-plot" snapshot "$runs/$deck/snapshots/state-$(printf %09d "$step").vtp" -o "$to/$picture.svg" "$@"
 }
 chart()
 {
-    picture=$1 deck=$2 table=$3
-    shift 3
-    "$bin/dm2-plot" chart "$runs/$deck/$table.csv" -o "docs/$picture.svg" "$@"
+    picture=$1 table=$2
+    shift 2
+    "$bin/dm2-plot" chart "$runs/$deck/$table.csv" -o "$to/$picture.svg" "$@"
 }
 
-run plate-impact
-snapshot plate-impact plate-impact 200 --links --title 'Plate impact: nickel onto nickel and aluminium at 400 m/s'
-chart plate-impact-velocity plate-impact history --x time --y free_centre_vy,free_surface_vy \
-    --title 'Velocity of the free surface, its middle and all of it' --ylabel 'velocity [cm/µs]'
-snapshot gallery/plate-impact plate-impact 200 -c links
+draw()
+{
+    case $deck in
+    plate-impact)
+        snapshot plate-impact 200 --links --title 'Plate impact: nickel onto nickel and aluminium at 400 m/s'
+        chart plate-impact-velocity history --x time --y free_centre_vy,free_surface_vy \
+            --title 'Velocity of the free surface, its middle and all of it' --ylabel 'velocity [cm/µs]'
+        snapshot gallery/plate-impact 200 -c links
+        ;;
+    cu-polycrystal)
+        snapshot gallery/cu-polycrystal-grains 0 -c grain
+        snapshot gallery/cu-polycrystal 120 -c pressure
+        chart gallery/cu-polycrystal-profile profile-shock --x y --y stress_yy --by time
+        ;;
+    hmx-powder)
+        snapshot gallery/hmx-powder 1800 -c temperature
+        snapshot gallery/hmx-powder-damage 1800 -c damage
+        ;;
+    shear-band)
+        snapshot gallery/shear-band 3500 -c temperature
+        snapshot gallery/shear-band-phase 2000 -c phase
+        snapshot gallery/shear-band-composition 3500 -c composition
+        chart gallery/shear-band-energy history --x time --y thermal,phase,chemical,work
+        ;;
+    granular-shear)
+        snapshot gallery/granular-shear 20000 -c vx
+        chart gallery/granular-shear-profile profile-flow --x y --y vx --by time
+        ;;
+    spall)
+        snapshot gallery/spall 250 -c vy
+        chart gallery/spall-surface history --x time --y surface_vy
+        ;;
+    phase-front)
+        snapshot gallery/phase-front 200 -c phase
+        chart gallery/phase-front-profile profile-bar --x x --y stress_xx --by time
+        ;;
+    sliding-block) chart gallery/sliding-block history --x time --y block_vx ;;
+    heat-rod) chart gallery/heat-rod profile-rod --x x --y temperature --by time ;;
+    *) echo "pictures.sh: no pictures of '$deck'; there are: $all" >&2; exit 2 ;;
+    esac
+}
 
-run cu-polycrystal
-snapshot gallery/cu-polycrystal-grains cu-polycrystal 0 -c grain
-snapshot gallery/cu-polycrystal cu-polycrystal 120 -c pressure
-chart gallery/cu-polycrystal-profile cu-polycrystal profile-shock --x y --y stress_yy --by time
-
-run hmx-powder
-snapshot gallery/hmx-powder hmx-powder 1800 -c temperature
-snapshot gallery/hmx-powder-damage hmx-powder 1800 -c damage
-
-run shear-band
-snapshot gallery/shear-band shear-band 3500 -c temperature
-snapshot gallery/shear-band-phase shear-band 2000 -c phase
-snapshot gallery/shear-band-composition shear-band 3500 -c composition
-chart gallery/shear-band-energy shear-band history --x time --y thermal,phase,chemical,work
-
-run granular-shear
-snapshot gallery/granular-shear granular-shear 20000 -c vx
-chart gallery/granular-shear-profile granular-shear profile-flow --x y --y vx --by time
-
-run spall
-snapshot gallery/spall spall 250 -c vy
-chart gallery/spall-surface spall history --x time --y surface_vy
-
-run phase-front
-snapshot gallery/phase-front phase-front 200 -c phase
-chart gallery/phase-front-profile phase-front profile-bar --x x --y stress_xx --by time
-
-run sliding-block
-chart gallery/sliding-block sliding-block history --x time --y block_vx
-
-run heat-rod
-chart gallery/heat-rod heat-rod profile-rod --x x --y temperature --by time
+chosen=${*:-$all}
+for deck in $chosen; do
+    "$bin/dm2-seq" "input/$deck.dm2" -q -o "$runs/$deck" --overwrite
+    draw
+done
