@@ -194,6 +194,21 @@ static void check_shear_of_two(const struct pair_check *p)
                       lattice_mean(a.constants->shear, b.constants->shear));
 }
 
+/* Checks that a Morse potential can have the slope of the Hugoniot: its shape is above 0. */
+static void check_slope(const struct pair_check *p, struct law_state a, struct law_state b)
+{
+    struct law_state flat = b.constants->s < a.constants->s ? b : a;
+    struct number_text given;
+    if (p->law.potential != POTENTIAL_MORSE || !isnan(p->law.shape) ||
+        !(lattice_shape(a.constants, b.constants, p->law.calibration) <= 0.0))
+        return;
+    findings_error(
+        p->b->findings, binding_place(p->b, flat.block, "s", 0),
+        "'s' = %s of '%s' is too small for the Morse potential of '%s' and '%s': with 'calibration "
+        "= bulk' their mean must be above 3/8; give 'shape' in the interaction, or take uniaxial",
+        number_text(flat.constants->s, &given), flat.name, a.name, b.name);
+}
+
 /* Checks that the potential between two states can pull as hard as the tensile strength asks. */
 static void check_strength(const struct pair_check *p, struct law_state a, struct law_state b)
 {
@@ -225,6 +240,8 @@ static void check_phases(const struct pair_check *p)
         bool stiffness = binding_given(p->b, x.block, "c0") || binding_given(p->b, x.block, "rho0");
         if (c->phases[i].material != p->materials[0])
             continue;
+        if (binding_given(p->b, x.block, "s"))
+            check_slope(p, x, x);
         if (stiffness || binding_given(p->b, x.block, "shear"))
             check_shear(p, x);
         if (p->law.scope == SCOPE_LINKED &&
@@ -239,6 +256,7 @@ void check_law(const struct pair_check *p)
     check_scope(p);
     check_replaced(p);
     check_replaced_constants(p);
+    check_slope(p, a, b);
     if (!may_link(p))
         return;
     if (p->law.scope == SCOPE_LINKED)
