@@ -25,6 +25,10 @@ TEST(lattice_constants_follow_from_hugoniot_data)
     CHECK_NEAR_REL(lattice_stiffness(&a, &b, CALIBRATION_BULK), 2.0 * both / root3, 1e-14);
     CHECK_NEAR_REL(lattice_shape(&a, &a, CALIBRATION_UNIAXIAL), (16.0 * 1.489 + 3.0) / 9.0, 1e-14);
     CHECK_NEAR_REL(lattice_shape(&a, &b, CALIBRATION_BULK), (8.0 * 1.4145 - 3.0) / 3.0, 1e-14);
+    /* Lennard-Jones with its own depth and length: the second derivative at the minimum, 2^(1/6) sigma. */
+    CHECK_NEAR_REL(lattice_atomic_stiffness(0.3, 0.9), 72.0 * 0.3 / (cbrt(2.0) * 0.9 * 0.9), 1e-14);
+    CHECK_NEAR_REL(lattice_mean(2.0, 3.0), 2.4, 1e-15);
+    CHECK_NEAR(lattice_mean(0.0, 0.0), 0.0, 0.0);
     for (int c = 0; c < 2; c++) {
         enum calibration_kind kind = (enum calibration_kind)c;
         CHECK_NEAR_REL(lattice_sound_speed(lattice_stiffness(&a, &a, kind), a.rho0, kind), a.c0, 1e-14);
@@ -34,17 +38,14 @@ TEST(lattice_constants_follow_from_hugoniot_data)
 
 TEST(shear_stiffness_stays_within_its_bounds)
 {
-    static const double want[] = {0.0, 0.0, 0.25, 0.5, 0.5};
-    for (int k = 0; k < 5; k++) {
-        double g = 0.25 * root3 * (0.75 + 0.25 * k); /* of the modulus that kn = 1 alone has */
+    static const double of_central[] = {0.75, 0.995, 1.0, 1.005, 1.25, 1.495, 1.5, 1.505, 1.75},
+                        want[] = {0.0, 0.0, 0.0, 0.005, 0.25, 0.495, 0.5, 0.5, 0.5};
+    for (int k = 0; k < 9; k++) {
+        double g = 0.25 * root3 * of_central[k];
         struct material_config a = metal(1.0, 1.0, 1.0, g), none = metal(1.0, 1.0, 1.0, (double)NAN);
         CHECK_NEAR(lattice_shear_stiffness(&a, &a, 1.0), want[k], 1e-15);
         CHECK_NEAR(lattice_shear_stiffness(&a, &none, 1.0), 0.0, 0.0);
-        CHECK_NEAR_REL(lattice_shear_modulus(1.0, want[k]),
-                       k == 0   ? 0.25 * root3
-                       : k == 4 ? 0.375 * root3
-                                : g,
-                       1e-15);
+        CHECK_NEAR_REL(lattice_shear_modulus(1.0, want[k]), 0.25 * root3 * (1.0 + want[k]), 1e-15);
     }
 }
 
@@ -61,6 +62,33 @@ TEST(strength_is_the_strongest_pull)
             CHECK(isinf(claimed));
         else
             CHECK_NEAR_REL(claimed, most / (r0 / root3), 1e-8);
+    }
+}
+
+/* The facet, and the length of the strongest pull: shorter and longer bonds pull less, and a bond that may
+ * yield has yielded beyond. */
+TEST(bonds_know_their_peak)
+{
+    const double r0 = 0.04;
+    for (int p = POTENTIAL_MORSE; p <= POTENTIAL_LENNARD_JONES; p++) {
+        struct pair_law law = {
+            .potential = (enum potential_kind)p, .k = 1.4, .shape = 2.9, .link_form = 0.9, .link_break = 1.3};
+        struct bond bond = law_bond(&law, r0);
+        double u, pull = -potential_force(&law, bond.peak, r0, &u);
+        CHECK_NEAR_REL(bond.area, r0 / root3, 1e-15);
+        CHECK_NEAR_REL(bond.forms, 0.036, 1e-15);
+        CHECK_NEAR_REL(bond.breaks, 0.052, 1e-15);
+        CHECK(bond.peak > r0);
+        CHECK_NEAR_REL(pull, lattice_strength(law.potential, law.k, law.shape) * bond.area, 1e-14);
+        for (int side = -1; side <= 1; side += 2)
+            CHECK(-potential_force(&law, bond.peak * (1.0 + 1e-4 * side), r0, &u) < pull);
+        double x = 1.001 * bond.peak, f = potential_force(&law, x, r0, &u);
+        CHECK(law_pulls_too_hard(&law, &bond, x, f, 0.999999 * pull));
+        CHECK(!law_pulls_too_hard(&law, &bond, x, f, 1.000001 * pull));
+        x = 0.9 * bond.peak + 0.1 * r0;
+        f = potential_force(&law, x, r0, &u);
+        CHECK(!law_pulls_too_hard(&law, &bond, x, f, -1.000001 * f));
+        CHECK(law_pulls_too_hard(&law, &bond, x, f, -0.999999 * f));
     }
 }
 
@@ -242,7 +270,7 @@ TEST(elements_react_where_they_touch)
 }
 
 TEST_MAIN(CASE(lattice_constants_follow_from_hugoniot_data), CASE(shear_stiffness_stays_within_its_bounds),
-          CASE(strength_is_the_strongest_pull), CASE(laws_follow_their_calibration),
-          CASE(shapes_of_the_calibrations_differ), CASE(friction_has_a_spring),
-          CASE(damping_by_temperature_needs_no_pressure), CASE(a_mixture_has_the_heat_capacity_of_its_parts),
-          CASE(elements_react_where_they_touch))
+          CASE(strength_is_the_strongest_pull), CASE(bonds_know_their_peak),
+          CASE(laws_follow_their_calibration), CASE(shapes_of_the_calibrations_differ),
+          CASE(friction_has_a_spring), CASE(damping_by_temperature_needs_no_pressure),
+          CASE(a_mixture_has_the_heat_capacity_of_its_parts), CASE(elements_react_where_they_touch))
