@@ -34,7 +34,7 @@ expect_text err "write 'scope = all'"
 for r in 1.1 1.2 1.3; do
     pair 'scope = all' $r
     expect_status 0 "$DM2_BIN/dm2-seq" pair.dm2 --progress never -o run --overwrite
-    ! grep warning err || fail 'a warning of a deck that is right'
+    ! grep 'pair.dm2:.*warning' err || fail 'a warning of a deck that is right'
     awk -F, -v r=$r 'function u(r) { return 4 * (r^-12 - r^-6) }
         NR == 1 { for (i = 1; i <= NF; i++) if (index($i, "potential ") == 1) at = i }
         NR == 2 { off = $at - (u(r) - u(3)); exit !(off < 1e-12 && off > -1e-12) }' run/history.csv ||
@@ -49,5 +49,5 @@ for key in link_break tensile linked k; do
 done
 pair 'scope = all; link_break = 1.2; linked = yes; zeta = 0.1' 1.3
 expect_status 0 "$DM2_BIN/dm2-seq" pair.dm2 --progress never -o run --overwrite
-! grep warning err || fail 'links of damped pairs have a meaning'
+! grep 'pair.dm2:.*warning' err || fail 'links of damped pairs have a meaning'
 exit 0
