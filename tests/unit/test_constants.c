@@ -165,6 +165,50 @@ TEST(friction_has_a_spring)
     CHECK(none.tangential && soft.tangential);
 }
 
+/* Everything else of a law: damping, conduction, strengths, lengths; the mirrored law has the strengths
+ * exchanged. */
+TEST(laws_have_the_constants_of_the_deck)
+{
+    struct engine g;
+    engine_load(
+        &g,
+        "domain { size = 1 1; r_c = 0.1; delta_r = 0.01 }\ntime { dt = 1e-6; steps = 1 }\n"
+        "material A { rho0 = 1; c0 = 1; s = 2; shear = 0.5; yield = 1e-3; tensile = 2e-3; kappa = 3e-9\n"
+        "             cp = 1e-5; t0 = 200 }\n"
+        "material B { rho0 = 2; c0 = 1; s = 2; shear = 1; tensile = 3e-3; kappa = 6e-9; cp = 1e-5 }\n"
+        "body b { shape = rectangle 0 0 0.5 1; spacing = 0.04; material = A }\n"
+        "body c { shape = rectangle 0.5 0 1 1; spacing = 0.04; material = B }\n"
+        "interaction { k = 4; zeta = 0.1; ct_ratio = 0.05; conductance = 0.5; mu = 0.2; link_form = 0.9\n"
+        "              link_break = 1.2; a_p = 3; a_t = 0.001 }\n"
+        "interaction B B { potential = lennard-jones; scope = all; epsilon = 0.5; sigma = 0.03\n"
+        "                  cutoff = 0.08; yield = 4e-3; tensile = 5e-3 }\n",
+        NULL, 1);
+    const struct pair_law *ab = model_law(g.model, 0, 1, RELATION_OTHER_BODY),
+                          *ba = model_law(g.model, 1, 0, RELATION_OTHER_BODY),
+                          *bb = model_law(g.model, 1, 1, RELATION_SAME_GRAIN);
+    const double ma = 0.5 * root3 * 0.0016, mb = 2.0 * ma, root = sqrt(ma * mb / (ma + mb));
+    CHECK_NEAR_REL(ab->cn, 0.4, 1e-14);
+    CHECK_NEAR_REL(ab->ct, 0.2, 1e-14);
+    CHECK_NEAR_REL(ab->cn_mass, 0.4 * root, 1e-14);
+    CHECK_NEAR_REL(ab->ct_mass, 0.2 * root, 1e-14);
+    CHECK_NEAR_REL(ab->conduction, 0.5 * 4e-9, 1e-14);
+    CHECK(ab->a_p == 3.0 && ab->a_t == 0.001 && ab->mu == 0.2);
+    CHECK_NEAR_REL(ab->t0_mean, 250.0, 1e-15);
+    CHECK(ab->yield_i == 1e-3 && isinf(ab->yield_j) && ab->tensile_i == 2e-3 && ab->tensile_j == 3e-3);
+    CHECK(isinf(ba->yield_i) && ba->yield_j == 1e-3 && ba->tensile_i == 3e-3 && ba->tensile_j == 2e-3);
+    CHECK(!ab->initial_link && model_law(g.model, 0, 0, RELATION_SAME_GRAIN)->initial_link);
+    CHECK_NEAR_REL(ab->bond.r0, 0.04, 1e-15);
+    CHECK_NEAR_REL(ab->bond.breaks, 0.048, 1e-15);
+    CHECK(bb->yield_i == 4e-3 && bb->yield_j == 4e-3 && bb->tensile_i == 5e-3 && bb->tensile_j == 5e-3);
+    CHECK_NEAR_REL(bb->cutoff2, 0.0064, 1e-15);
+    CHECK_NEAR_REL(bb->k, 72.0 * 0.5 / (cbrt(2.0) * 0.0009), 1e-14);
+    CHECK_NEAR_REL(bb->rm2, cbrt(2.0) * 0.0009, 1e-14);
+    CHECK_NEAR_REL(bb->u_cut, 4.0 * 0.5 * (pow(0.375, 12.0) - pow(0.375, 6.0)), 1e-13);
+    CHECK(g.model->has_far && g.model->has_near && g.model->has_heat && g.model->has_pressure);
+    CHECK_NEAR_REL(g.model->far_cutoff, 0.08, 1e-15);
+    engine_stop(&g);
+}
+
 /* Damping that changes with temperature alone: at 1300 K and a_t = 0.001/K twice as much. */
 TEST(damping_by_temperature_needs_no_pressure)
 {
@@ -190,6 +234,44 @@ TEST(damping_by_temperature_needs_no_pressure)
             CHECK_NEAR(s[0].e[i].v[c], s[1].e[i].v[c], 1e-15);
     engine_state_free(&s[0]);
     engine_state_free(&s[1]);
+}
+
+/* The stable time step of a deck with the material of law_of and a heavier one that it may meet. */
+static double stable_step(const char *constants, const char *rules, const char *heavy)
+{
+    char text[1200];
+    struct engine g;
+    (void)snprintf(text, sizeof text,
+                   "domain { size = 1 1; r_c = 0.1; delta_r = 0.01 }\ntime { dt = 1e-9; steps = 1 }\n"
+                   "material A { rho0 = 0.75*sqrt(3); c0 = 1; s = 1.5; %s }\n"
+                   "body b { shape = rectangle 0 0 0.5 1; spacing = 0.04; material = A }\n"
+                   "interaction { %s }\n%s",
+                   constants, rules, heavy);
+    engine_load(&g, text, NULL, 1);
+    double dt = g.model->dt_stable;
+    engine_stop(&g);
+    return dt;
+}
+
+/* The step at which omega^2 dt^2 + 2 gamma dt = 4. */
+static double mode_step(double omega2, double gamma)
+{
+    return 4.0 / (sqrt(gamma * gamma + 4.0 * omega2) + gamma);
+}
+
+TEST(stable_steps_are_those_of_the_stiffest_mode)
+{
+    const double m = 0.0018, root = sqrt(m / 2.0), none = stable_step("", "", "");
+    CHECK_NEAR_REL(none, mode_step(6.0 / m, 0.0), 1e-13);
+    CHECK_NEAR_REL(stable_step("", "zeta = 0.3", ""), mode_step(6.0 / m, 6.0 * 0.6 * root / m), 1e-13);
+    CHECK_NEAR_REL(stable_step("", "kt_ratio = 0.2; zeta = 0.1", ""),
+                   mode_step(6.4 / m, 6.0 * 0.2 * root / m), 1e-13);
+    CHECK_NEAR_REL(stable_step("", "kt_ratio = 0.4", ""), mode_step(9.6 / m, 0.0), 1e-13);
+    CHECK_NEAR_REL(stable_step("", "kt_ratio = 0.2; ct_ratio = 0.1", ""),
+                   mode_step(4.8 / m, 24.0 * 0.2 * root / m), 1e-13);
+    CHECK_NEAR_REL(stable_step("", "mu = 0.2", ""), mode_step(24.0 * 2.0 / 7.0 / m, 0.0), 1e-13);
+    CHECK_NEAR_REL(stable_step("cp = 1e-5; kappa = 1e-4", "", ""), 2.0 * m * 1e-5 * root3 / (9.0 * 1e-4),
+                   1e-13);
 }
 
 /* --- mixtures and the range of the reaction --- */
@@ -272,5 +354,6 @@ TEST(elements_react_where_they_touch)
 TEST_MAIN(CASE(lattice_constants_follow_from_hugoniot_data), CASE(shear_stiffness_stays_within_its_bounds),
           CASE(strength_is_the_strongest_pull), CASE(bonds_know_their_peak),
           CASE(laws_follow_their_calibration), CASE(shapes_of_the_calibrations_differ),
-          CASE(friction_has_a_spring), CASE(damping_by_temperature_needs_no_pressure),
+          CASE(friction_has_a_spring), CASE(stable_steps_are_those_of_the_stiffest_mode),
+          CASE(laws_have_the_constants_of_the_deck), CASE(damping_by_temperature_needs_no_pressure),
           CASE(a_mixture_has_the_heat_capacity_of_its_parts), CASE(elements_react_where_they_touch))
