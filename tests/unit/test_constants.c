@@ -121,6 +121,9 @@ TEST(laws_follow_their_calibration)
     CHECK_NEAR_REL(bulk.k, 1.5, 1e-14);
     CHECK_NEAR_REL(bulk.shape, 3.0, 1e-14);
     CHECK_NEAR_REL(bulk.kt_link, 0.5, 1e-13);
+    CHECK(law_of(1.2, "kt_ratio = 0").near && !law_of(1.2, "kt_ratio = 0").tangential);
+    CHECK(!law_of(1.2, "scope = all; kt_ratio = 0").near && law_of(1.2, "scope = all").near);
+    CHECK(law_of(1.2, "scope = all; kt_ratio = 0; zeta = 0.1").near);
     struct pair_law other = law_of(1.2, "calibration = bulk; k = 1");
     CHECK_NEAR_REL(other.k, 1.0, 0.0);
     CHECK_NEAR_REL(other.kt_link, 0.2, 1e-13);
@@ -162,6 +165,8 @@ TEST(friction_has_a_spring)
     CHECK_NEAR(none.kt_link, 0.0, 0.0);
     CHECK_NEAR_REL(stiff.kt_contact, 0.4, 1e-13);
     CHECK_NEAR_REL(told.kt_contact, 0.1, 1e-14);
+    CHECK_NEAR_REL(law_of(1.284, "mu = 0.3").kt_contact, 2.0 / 7.0, 1e-14); /* 0.6 % beside the bound */
+    CHECK_NEAR_REL(law_of(1.288, "mu = 0.3").kt_contact, 0.288, 1e-12);
     CHECK(none.tangential && soft.tangential);
 }
 
@@ -207,6 +212,41 @@ TEST(laws_have_the_constants_of_the_deck)
     CHECK(g.model->has_far && g.model->has_near && g.model->has_heat && g.model->has_pressure);
     CHECK_NEAR_REL(g.model->far_cutoff, 0.08, 1e-15);
     engine_stop(&g);
+}
+
+/* A guard against 0 holds for the smallest constants, too: a foam of 1e-6 g/cm3, atoms of 1e-9 g cm2/us2. */
+TEST(small_constants_are_not_none)
+{
+    static const char *const rules[] = {
+        "zeta = 1e-6; conductance = 1e-3; a_p = 1e-5; a_t = 1e-6", "ct_ratio = 1e-6", "mu = 1e-4",
+        "potential = lennard-jones; scope = all; epsilon = 1e-9; sigma = 0.03; cutoff = 0.08"};
+    for (int k = 0; k < 4; k++) {
+        char text[1000];
+        struct engine g;
+        (void)snprintf(text, sizeof text,
+                       "domain { size = 1 1; r_c = 0.1; delta_r = 0.01 }\ntime { dt = 1e-4; steps = 1 }\n"
+                       "material A { rho0 = 1e-6; c0 = 0.01; s = 2; kappa = 1e-15; cp = 1e-5; %s }\n"
+                       "body b { shape = rectangle 0 0 0.5 1; spacing = 0.04; material = A }\n"
+                       "interaction { %s }\n",
+                       k == 0 ? "shear = 0.4e-10" : "", rules[k]);
+        engine_load(&g, text, NULL, 1);
+        const struct pair_law *law = model_law(g.model, 0, 0, RELATION_SAME_GRAIN);
+        CHECK(law->near && g.model->has_near == (k < 4));
+        CHECK(law->tangential == (k < 3) && g.model->has_spin == (k < 3));
+        CHECK(g.model->has_heat && g.model->has_pressure == (k == 0));
+        if (k == 3) {
+            CHECK_NEAR_REL(law->u_cut, 4e-9 * (pow(0.375, 12.0) - pow(0.375, 6.0)), 1e-13);
+            CHECK(g.model->has_far);
+        } else {
+            CHECK_NEAR_REL(law->k, 4e-10 / (3.0 * root3), 1e-14);
+        }
+        if (k == 0)
+            CHECK_NEAR_REL(law->kt_link, 1.6e-10 / root3 - law->k, 1e-13);
+        if (k == 2)
+            CHECK_NEAR_REL(law->kt_contact, 2.0 / 7.0 * law->k, 1e-14);
+        CHECK(g.model->dt_stable < INFINITY);
+        engine_stop(&g);
+    }
 }
 
 /* Damping that changes with temperature alone: at 1300 K and a_t = 0.001/K twice as much. */
@@ -355,5 +395,6 @@ TEST_MAIN(CASE(lattice_constants_follow_from_hugoniot_data), CASE(shear_stiffnes
           CASE(strength_is_the_strongest_pull), CASE(bonds_know_their_peak),
           CASE(laws_follow_their_calibration), CASE(shapes_of_the_calibrations_differ),
           CASE(friction_has_a_spring), CASE(stable_steps_are_those_of_the_stiffest_mode),
-          CASE(laws_have_the_constants_of_the_deck), CASE(damping_by_temperature_needs_no_pressure),
-          CASE(a_mixture_has_the_heat_capacity_of_its_parts), CASE(elements_react_where_they_touch))
+          CASE(laws_have_the_constants_of_the_deck), CASE(small_constants_are_not_none),
+          CASE(damping_by_temperature_needs_no_pressure), CASE(a_mixture_has_the_heat_capacity_of_its_parts),
+          CASE(elements_react_where_they_touch))
