@@ -214,6 +214,31 @@ TEST(laws_have_the_constants_of_the_deck)
     engine_stop(&g);
 }
 
+/* A denser phase is smaller, by the root of the densities; its bonds with the first phase are between. */
+TEST(phases_have_their_size)
+{
+    struct engine g;
+    engine_load(
+        &g,
+        "domain { size = 1 1; r_c = 0.1; delta_r = 0.01 }\ntime { dt = 1e-4; steps = 1 }\n"
+        "material A { rho0 = 4; c0 = 0.4; s = 2 }\n"
+        "phase A dense { transition = pressure; p_line = 1; t_line = 300; rho0 = 6.25; hysteresis_p = 1 }\n"
+        "body b { shape = rectangle 0 0 0.5 1; spacing = 0.04; material = A }\n",
+        NULL, 1);
+    const struct pair_law *mixed = model_law(g.model, 0, 1, RELATION_SAME_GRAIN),
+                          *dense = model_law(g.model, 1, 1, RELATION_SAME_GRAIN);
+    CHECK_NEAR_REL(g.model->kinds[1].size, 0.8, 1e-15);
+    CHECK_NEAR_REL(mixed->radius_i, 0.02, 1e-15);
+    CHECK_NEAR_REL(mixed->radius_j, 0.016, 1e-15);
+    CHECK_NEAR_REL(mixed->bond.r0, 0.036, 1e-15);
+    CHECK_NEAR_REL(dense->bond.r0, 0.032, 1e-15);
+    CHECK_NEAR_REL(dense->k, 4.0 * 6.25 * 0.16 / (3.0 * root3), 1e-14);
+    CHECK_NEAR_REL(mixed->k, 4.0 * 0.16 * (2.0 * 25.0 / 10.25) / (3.0 * root3), 1e-14);
+    CHECK_NEAR_REL(g.model->radius_max, 0.02, 1e-15);
+    CHECK_NEAR_REL(g.model->growth, 1.25, 1e-15);
+    engine_stop(&g);
+}
+
 /* A guard against 0 holds for the smallest constants, too: a foam of 1e-6 g/cm3, atoms of 1e-9 g cm2/us2. */
 TEST(small_constants_are_not_none)
 {
@@ -396,5 +421,5 @@ TEST_MAIN(CASE(lattice_constants_follow_from_hugoniot_data), CASE(shear_stiffnes
           CASE(laws_follow_their_calibration), CASE(shapes_of_the_calibrations_differ),
           CASE(friction_has_a_spring), CASE(stable_steps_are_those_of_the_stiffest_mode),
           CASE(laws_have_the_constants_of_the_deck), CASE(small_constants_are_not_none),
-          CASE(damping_by_temperature_needs_no_pressure), CASE(a_mixture_has_the_heat_capacity_of_its_parts),
-          CASE(elements_react_where_they_touch))
+          CASE(phases_have_their_size), CASE(damping_by_temperature_needs_no_pressure),
+          CASE(a_mixture_has_the_heat_capacity_of_its_parts), CASE(elements_react_where_they_touch))
