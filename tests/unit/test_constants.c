@@ -339,6 +339,67 @@ TEST(stable_steps_are_those_of_the_stiffest_mode)
                    1e-13);
 }
 
+/* A law between equal elements damps by their own mass, although a heavier element is in the deck. */
+TEST(stable_steps_take_the_pair_s_own_mass)
+{
+    const double m = 0.0018, root = sqrt(m / 2.0);
+    double got = stable_step("", "k = 1; zeta = 0.01",
+                             "interaction A H { zeta = 0 }\n"
+                             "material H { rho0 = 100; c0 = 1; s = 1.5 }\n"
+                             "body c { shape = rectangle 0.5 0 1 1; spacing = 0.04; material = H }\n");
+    CHECK_NEAR_REL(got, mode_step(6.0 / m, 6.0 * 0.02 * root / m), 1e-13);
+}
+
+TEST(steps_above_the_stable_one_are_refused)
+{
+    for (int above = 0; above < 2; above++) {
+        char text[600];
+        struct model *model = NULL;
+        struct dm2_error err = {0};
+        (void)snprintf(text, sizeof text,
+                       "domain { size = 1 1; r_c = 0.1; delta_r = 0.01 }\ntime { dt = %.17g; steps = 1 }\n"
+                       "material A { rho0 = 0.75*sqrt(3); c0 = 1; s = 1.5 }\n"
+                       "body b { shape = rectangle 0 0 0.5 1; spacing = 0.04; material = A }\n",
+                       mode_step(6.0 / 0.0018, 0.0) * (above ? 1.001 : 0.999));
+        struct loaded l = load_text(text, NULL, -1);
+        CHECK_EQ_INT(model_build(&l.config, &model, &err), above ? DM2_DECK : DM2_OK);
+        model_free(model);
+        loaded_free(&l);
+    }
+}
+
+/* One loop takes all far pairs where one kind has one law in every relation, and only there. */
+TEST(far_laws_are_uniform_where_nothing_differs)
+{
+    static const struct {
+        const char *rules;
+        bool uniform;
+    } given[] = {
+        {"", true},
+        {"interface body { epsilon = 2e-9; sigma = 0.03 }", false},
+        {"interface grain { epsilon = 1e-9; sigma = 0.02 }", false},
+        {"interface grain { cutoff = 0.07 }", false},
+        {"interface body { potential = quadratic; k = 1e-6 }", false},
+        {"interface body { potential = morse; k = 1e-6; shape = 3 }", false},
+        {"material B { mass = 2 }\nbody c { shape = rectangle 0.5 0 1 1; spacing = 0.04; material = B }",
+         false}};
+    for (size_t k = 0; k < sizeof given / sizeof given[0]; k++) {
+        char text[800];
+        struct engine g;
+        (void)snprintf(text, sizeof text,
+                       "domain { size = 1 1; r_c = 0.1; delta_r = 0.01 }\ntime { dt = 1e-6; steps = 1 }\n"
+                       "material A { mass = 1 }\n"
+                       "body b { shape = rectangle 0 0 0.5 1; spacing = 0.04; material = A }\n"
+                       "interaction { potential = lennard-jones; scope = all; epsilon = 1e-9; sigma = 0.03\n"
+                       "              cutoff = 0.08 }\n%s\n",
+                       given[k].rules);
+        engine_load(&g, text, NULL, 1);
+        CHECK(g.model->has_far && g.model->uniform_far == given[k].uniform);
+        CHECK(g.model->wide_far == given[k].uniform);
+        engine_stop(&g);
+    }
+}
+
 /* --- mixtures and the range of the reaction --- */
 
 #define REACTION                                                                                             \
@@ -421,5 +482,7 @@ TEST_MAIN(CASE(lattice_constants_follow_from_hugoniot_data), CASE(shear_stiffnes
           CASE(laws_follow_their_calibration), CASE(shapes_of_the_calibrations_differ),
           CASE(friction_has_a_spring), CASE(stable_steps_are_those_of_the_stiffest_mode),
           CASE(laws_have_the_constants_of_the_deck), CASE(small_constants_are_not_none),
-          CASE(phases_have_their_size), CASE(damping_by_temperature_needs_no_pressure),
-          CASE(a_mixture_has_the_heat_capacity_of_its_parts), CASE(elements_react_where_they_touch))
+          CASE(stable_steps_take_the_pair_s_own_mass), CASE(steps_above_the_stable_one_are_refused),
+          CASE(far_laws_are_uniform_where_nothing_differs), CASE(phases_have_their_size),
+          CASE(damping_by_temperature_needs_no_pressure), CASE(a_mixture_has_the_heat_capacity_of_its_parts),
+          CASE(elements_react_where_they_touch))
