@@ -5,6 +5,8 @@
 #include "dm2/deck/lattice.h"
 #include "engine/law.h"
 #include "engine/particles.h"
+#include "engine/phase.h"
+#include "engine/reaction.h"
 #include "engine/tables.h"
 
 static const double root3 = 1.7320508075688772;
@@ -444,6 +446,74 @@ TEST(a_mixture_has_the_heat_capacity_of_its_parts)
     engine_stop(&g);
 }
 
+/* Puts one element of 0.004 g with these shares into *p, at 550 K and with the spin 3/us. */
+static void put_one(struct particles *p, const struct model *m, int kind, double share_a, double share_b)
+{
+    struct element e = {.kind = (uint16_t)kind,
+                        .was = (uint16_t)kind,
+                        .radius = 0.02,
+                        .mass = 0.004,
+                        .w = 3.0,
+                        .share = {share_a, share_b}};
+    particles_start(p, m);
+    CHECK_EQ_INT(particles_reserve(p, 1), 0);
+    p->n = p->n_own = 1;
+    particles_put(p, m, 0, &e);
+    p->heat[0] = 0.004 * particles_heat_capacity(p, m, 0) * 250.0;
+    particles_warm(p, m, 0, 1.0 / 0.004);
+}
+
+/* A change of phase keeps mass, angular momentum and the sum of heat and energy of the phase; what the spin
+ * loses is the account's. */
+TEST(a_change_of_phase_keeps_the_angular_momentum)
+{
+    struct engine g;
+    struct particles p;
+    engine_load(&g,
+                THERMO_FRAME
+                "phase Al dense { transition = pressure; p_line = 1; t_line = 300; rho0 = 4.2234375\n"
+                "hysteresis_p = 1; latent = 1e-3; shear = 0; c0 = 0.6 }\n" THERMO_SPECIMEN,
+                NULL, 1);
+    put_one(&p, g.model, 1, 0.0, 0.0);
+    double heat = p.heat[0];
+    phase_become(g.model, &p, 0, 3); /* 0.8 of the radius */
+    CHECK_NEAR_REL(p.radius[0], 0.016, 1e-14);
+    CHECK_NEAR_REL(p.w[0], 3.0 / 0.64, 1e-14);
+    CHECK_NEAR_REL(p.moved[0], 0.25 * 0.004 * (0.0004 * 9.0 - 0.000256 * 9.0 / 0.4096), 1e-13);
+    CHECK_NEAR_REL(p.heat[0], heat - 0.004 * 1e-3, 1e-14);
+    CHECK_NEAR_REL(p.temperature[0], 550.0 - 1e-3 / 8.97e-6, 1e-13);
+    phase_become(g.model, &p, 0, 1);
+    CHECK_NEAR_REL(p.radius[0], 0.02, 1e-14);
+    CHECK_NEAR_REL(p.w[0], 3.0, 1e-14);
+    CHECK_NEAR(p.moved[0], 0.0, 1e-20);
+    CHECK_NEAR_REL(p.temperature[0], 550.0, 1e-13);
+    particles_free(&p);
+    engine_stop(&g);
+}
+
+/* An element becomes product where the sum of both shares is below the threshold, 0.01. */
+TEST(what_is_left_decides_who_is_product)
+{
+    static const struct {
+        double share[2];
+        bool product;
+    } given[] = {{{0.1, 0.6}, false}, {{0.6, 0.1}, false},      {{0.0051, 0.0051}, false},
+                 {{0, 0.011}, false}, {{0.0049, 0.0049}, true}, {{0.0099, 0}, true}};
+    struct engine g;
+    engine_load(&g, THERMO_FRAME REACTION THERMO_SPECIMEN, NULL, 1);
+    for (size_t k = 0; k < sizeof given / sizeof given[0]; k++) {
+        struct particles p;
+        int64_t item[REACTION_SUMS] = {0};
+        struct reaction_sums sums = {.item = item};
+        put_one(&p, g.model, 0, given[k].share[0], given[k].share[1]);
+        item[REACTION_HEAT] = 1; /* something has reacted */
+        CHECK_EQ_INT(reaction_apply(g.model, &p, &sums, 1, &g.err), DM2_OK);
+        CHECK_EQ_INT(p.kind[0], given[k].product ? 2 : 0);
+        particles_free(&p);
+    }
+    engine_stop(&g);
+}
+
 /* What two elements that are not linked convert in two steps at this distance, in contact distances. */
 static double converted(double distance)
 {
@@ -485,4 +555,5 @@ TEST_MAIN(CASE(lattice_constants_follow_from_hugoniot_data), CASE(shear_stiffnes
           CASE(stable_steps_take_the_pair_s_own_mass), CASE(steps_above_the_stable_one_are_refused),
           CASE(far_laws_are_uniform_where_nothing_differs), CASE(phases_have_their_size),
           CASE(damping_by_temperature_needs_no_pressure), CASE(a_mixture_has_the_heat_capacity_of_its_parts),
+          CASE(a_change_of_phase_keeps_the_angular_momentum), CASE(what_is_left_decides_who_is_product),
           CASE(elements_react_where_they_touch))
