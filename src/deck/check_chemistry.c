@@ -35,7 +35,7 @@ static void check_hysteresis(const struct deck_binding *b, size_t i)
                        number_text(phase->hysteresis_t, &got), number_text(drop, &want), phase->name);
     double back = isnan(phase->hysteresis_t) ? 1.1 * drop : phase->hysteresis_t;
     if (phase->reversible && phase->transition == TRANSITION_TEMPERATURE && back >= phase->t_line &&
-        phase->dt_dp == 0)
+        drop <= phase->t_line && phase->dt_dp == 0) /* a larger drop is check_latent's */
         findings_warn(
             b->findings, place,
             "'%s' would go back %.4g K below its line, which is at %s K: no temperature is below 0 K, "

@@ -77,7 +77,7 @@ TEST(bonds_know_their_peak)
         double u, pull = -potential_force(&law, bond.peak, r0, &u);
         CHECK_NEAR_REL(bond.area, r0 / root3, 1e-15);
         CHECK_NEAR_REL(bond.forms, 0.036, 1e-15);
-        CHECK_NEAR_REL(bond.breaks, 0.052, 1e-15);
+        CHECK_NEAR_REL(bond.breaks, 1.3 * law_touch_length(r0), 1e-15);
         CHECK(bond.peak > r0);
         CHECK_NEAR_REL(pull, lattice_strength(law.potential, law.k, law.shape) * bond.area, 1e-14);
         for (int side = -1; side <= 1; side += 2)
@@ -205,7 +205,7 @@ TEST(laws_have_the_constants_of_the_deck)
     CHECK(isinf(ba->yield_i) && ba->yield_j == 1e-3 && ba->tensile_i == 3e-3 && ba->tensile_j == 2e-3);
     CHECK(!ab->initial_link && model_law(g.model, 0, 0, RELATION_SAME_GRAIN)->initial_link);
     CHECK_NEAR_REL(ab->bond.r0, 0.04, 1e-15);
-    CHECK_NEAR_REL(ab->bond.breaks, 0.048, 1e-15);
+    CHECK_NEAR_REL(ab->bond.breaks, 1.2 * law_touch_length(0.04), 1e-15);
     CHECK(bb->yield_i == 4e-3 && bb->yield_j == 4e-3 && bb->tensile_i == 5e-3 && bb->tensile_j == 5e-3);
     CHECK_NEAR_REL(bb->cutoff2, 0.0064, 1e-15);
     CHECK_NEAR_REL(bb->k, 72.0 * 0.5 / (cbrt(2.0) * 0.0009), 1e-14);
