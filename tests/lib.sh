@@ -1,11 +1,12 @@
-# What the end-to-end tests share. A test begins with
+# Functions for end-to-end tests. A test begins with
 #
 #     . "$DM2_SRC/tests/lib.sh"
 #
-# tests/run.sh gives it an empty directory as working directory and TMPDIR, and in the environment DM2_SRC (the
-# source tree), DM2_BIN (the programs), DM2_BUILD (the flavour's build directory) and FLAVOUR. A test passes when it
-# exits 0, is skipped when it exits 77, and fails otherwise. It may name its labels and its time limit in
-# its opening comment: `# labels: e2e slow` (the default is e2e) and `# timeout: 120` (seconds, default 60).
+# tests/run.sh gives it an empty directory as working directory and TMPDIR, and in the environment DM2_SRC
+# (the source tree), DM2_BIN (the programs), DM2_BUILD (the flavour's build directory) and FLAVOUR. A test
+# passes when it exits 0, is skipped when it exits 77, and fails otherwise. It may name its labels and its
+# time limit in its opening comment: `# labels: e2e slow` (the default is e2e) and `# timeout: 120` (seconds,
+# default 60).
 #
 # `fail` and `skip` exit: call them from the test itself, not from within $(...) or a pipe. The processes that
 # start_server starts are ended, by their ids, when the test exits.
@@ -34,14 +35,15 @@ skip()
 }
 
 # start_server [OPTION...]: starts dm2-server on a free port and returns once it listens. Sets SERVER_PID,
-# SERVER_ADDR (host:port), SERVER_PORT, SERVER_OUT and SERVER_LOG (files with its standard output and standard error).
+# SERVER_ADDR (host:port), SERVER_PORT, SERVER_OUT and SERVER_LOG (files with its standard output and standard
+# error).
 start_server()
 {
     lib_count=$((lib_count + 1))
     SERVER_OUT=$PWD/server-$lib_count.out
     SERVER_LOG=$PWD/server-$lib_count.err
-    # The server writes into one fifo. Its reader hands the first line on through the other, then keeps the first
-    # open for the server's whole life, so that no later line meets a closed pipe.
+    # The server writes into one fifo. Its reader hands the first line on through the other, then keeps the
+    # first open for the server's whole life, so that no later line meets a closed pipe.
     mkfifo "server-$lib_count.fifo" "server-$lib_count.ready" || fail "mkfifo failed"
     {
         IFS= read -r lib_line || lib_line=
@@ -66,7 +68,7 @@ start_server()
     esac
 }
 
-# stop_server PID: asks one server to end and waits until it has. Its exit status is in SERVER_STATUS.
+# stop_server PID: ends one server by TERM and waits. Sets SERVER_STATUS to its exit status.
 stop_server()
 {
     kill -TERM "$1" 2>/dev/null
@@ -88,8 +90,8 @@ stop_all()
     done
 }
 
-# expect_status CODE COMMAND...: runs it, with its standard output in the file `out` and its standard error in `err`,
-# and fails the test unless it exits with CODE.
+# expect_status CODE COMMAND...: runs COMMAND, with its standard output in the file `out` and its standard
+# error in `err`, and fails the test unless COMMAND exits with CODE.
 expect_status()
 {
     lib_want=$1

@@ -4,12 +4,14 @@
 #     DM2_BIN=$PWD/bin DM2_BUILD=$PWD/build/release sh tests/run.sh -R grid -V
 #
 # A test is a program built from tests/unit/test_NAME.c (called unit_NAME, label unit) or a script
-# tests/e2e/NAME.sh (called e2e_NAME, label e2e unless a `# labels:` line of its opening comment says otherwise; its
-# time limit is 60 s unless a `# timeout:` line says otherwise). Exit status 0 is passed, 77 skipped, all else failed.
-# A script starts in an empty directory of its own, which is TMPDIR for either kind; a program at the source tree's top.
+# tests/e2e/NAME.sh (called e2e_NAME, label e2e unless a `# labels:` line of its opening comment says
+# otherwise; its time limit is 60 s unless a `# timeout:` line says otherwise). Exit status 0 is passed, 77
+# skipped, else failed.
+# A script starts in an empty directory of its own, which is TMPDIR for either kind; a program at the source
+# tree's top.
 #
-# One supervisor (tests/tools/supervise.c) per running test keeps its time and kills what it leaves behind. The
-# supervisors report through one fifo; each line that arrives starts the next test.
+# One supervisor (tests/tools/supervise.c) per running test keeps its time and kills its leftover processes.
+# The supervisors report through one fifo; each line that arrives starts the next test.
 set -u
 
 usage()
@@ -23,7 +25,7 @@ usage: sh tests/run.sh [OPTION]...
   -N          list the tests, run none
   -V          print the output of every test;  --output-on-failure: of those that fail
   --memcheck  the unit tests alone, each under valgrind; errors and leaks fail it
-  --repeat after-timeout:2  a test that reaches its time limit runs once more, and the line of the first try is printed
+  --repeat after-timeout:2  a test that reaches its time limit runs once more; the first try is printed, too
   --timeout S time limit of a test that does not name its own, seconds (default 60)
 Environment: DM2_BIN, DM2_BUILD, FLAVOUR (make test sets them), DM2_TESTS (another tree of tests).
 END
@@ -69,7 +71,8 @@ done
 
 tests=${DM2_TESTS:-$(dirname "$0")}
 tests=$(cd "$tests" && pwd) || die "no tests at '$tests'"
-: "${DM2_BUILD:?is not set: run the tests with make test}" "${DM2_BIN:?is not set: run the tests with make test}"
+: "${DM2_BUILD:?is not set: run the tests with make test}" \
+    "${DM2_BIN:?is not set: run the tests with make test}"
 : "${FLAVOUR:=release}"
 DM2_SRC=$(dirname "$tests")
 export DM2_SRC DM2_BIN DM2_BUILD FLAVOUR
@@ -83,8 +86,8 @@ case $jobs$default_limit in
 esac
 [ "$jobs" -ge 1 ] || die "-j takes a number of tests, at least 1"
 
-# Sanitized programs are several times slower, and must not hide their findings behind an expected exit status 1:
-# they write them into files that are looked for after each test.
+# Sanitized programs are several times slower, and must not hide their findings behind an expected exit status
+# 1: their reports go into files, which the runner looks for after each test.
 scale=1
 [ "$FLAVOUR" = release ] || scale=4
 if [ $memcheck = 1 ]; then
@@ -133,7 +136,8 @@ total=0
 [ -z "$chosen" ] || total=$(printf '%s\n' "$chosen" | wc -l | tr -d ' ')
 
 if [ $list = 1 ]; then
-    [ "$total" -eq 0 ] || printf '%s\n' "$chosen" | awk -F '\t' '{ printf "  Test %3s: %-40s %s\n", "#" NR, $1, $4 }'
+    [ "$total" -eq 0 ] || printf '%s\n' "$chosen" | awk -F '\t' \
+        '{ printf "  Test %3s: %-40s %s\n", "#" NR, $1, $4 }'
     printf '\nTotal Tests: %d\n' "$total"
     exit 0
 fi
@@ -147,7 +151,7 @@ logs=$DM2_BUILD/test-logs
 scratch=$DM2_BUILD/test-tmp/$$
 rm -rf "$logs" "$scratch"
 mkdir -p "$logs" "$scratch" || die "cannot write below $DM2_BUILD"
-# Scratch directories of earlier runs that failed go, those of runs that still go on stay.
+# Scratch directories of earlier failed runs go; directories of runs in progress stay.
 for old in "$DM2_BUILD"/test-tmp/*; do
     kill -0 "${old##*/}" 2>/dev/null || rm -rf "$old"
 done
@@ -178,7 +182,7 @@ $(printf '%s\n' "$chosen" | sed -n -e "$1p")
 END
 }
 
-# launch INDEX: starts it, or reports at once that its program is missing.
+# launch INDEX: starts the test, or reports at once that its program is missing.
 launch()
 {
     line_of "$1"
@@ -343,5 +347,6 @@ printf '\nTotal Test time (real) = %d sec\n' $((end - begin))
 if [ -n "$failures" ]; then
     printf '\nThe following tests FAILED; their directories are below %s:%s\n' "$scratch" "$failures"
 fi
-printf '\n%d%% tests passed, %d tests failed out of %d\n' $(((total - failed) * 100 / total)) "$failed" "$total"
+printf '\n%d%% tests passed, %d tests failed out of %d\n' $(((total - failed) * 100 / total)) "$failed" \
+    "$total"
 [ "$failed" -eq 0 ]

@@ -1,11 +1,12 @@
 #!/bin/sh
-# Runs through faults drawn from seeds (tests/tools/faults.c), in a directory of its own. `make soak` calls it:
+# Runs through faults drawn from seeds (tests/tools/faults.c), in a directory of its own. `make soak` calls
+# it:
 #
 #     sh tests/soak.sh [-s SEED] [-n FAULTS] [-t TIMEOUT]
 #
-# SEED is the first (1), FAULTS how many are to happen (500), TIMEOUT the client's patience in seconds (1.5; with
-# the sanitizers 5). What failed runs leave stays in the directory that is named at the end. Environment: DM2_BIN,
-# DM2_BUILD, DM2_SRC, FLAVOUR.
+# SEED is the first (1), FAULTS how many are to happen (500), TIMEOUT the client's patience in seconds (1.5;
+# with the sanitizers 5). The files of failed runs stay in the directory that is named at the end.
+# Environment: DM2_BIN, DM2_BUILD, DM2_SRC, FLAVOUR.
 set -eu
 
 seed=1 faults=500 timeout=1.5

@@ -1,5 +1,6 @@
-# A run that is continued from a checkpoint, by either program, with any number of servers, gives the bytes of the one
-# that was not interrupted; a checkpoint that is damaged or of another deck is refused, and the one before it offered.
+# A run that continues from a checkpoint, by either program, with any number of servers, gives the bytes of
+# the uninterrupted run; a damaged checkpoint, or one of another deck, is refused, and the checkpoint before
+# it offered.
 # labels: e2e bits
 # timeout: 120
 . "$DM2_SRC/tests/lib.sh"
@@ -31,7 +32,7 @@ expect_status 0 "$seq" deck.dm2 -q --restart three/checkpoint.dm2 # in its own d
 same_run whole three
 same_bytes whole/snapshots/series.pvd three/snapshots/series.pvd
 
-# One that is asked to end leaves a checkpoint and says how to go on; what it left continues to the same end.
+# A run that is asked to end leaves a checkpoint and says how to go on; the checkpoint leads to the same end.
 # interrupted PROGRAM OPTION...
 interrupted()
 {
@@ -72,7 +73,7 @@ expect_text out ' on 2 servers in '
 same_run whole cut
 same_bytes whole/snapshots/series.pvd cut/snapshots/series.pvd
 
-# What cannot be used.
+# Checkpoints that cannot be used.
 cp -r whole bad
 dd if=whole/checkpoint.dm2 of=bad/checkpoint.dm2 bs=1000 count=5 2>dd.log
 expect_status 3 "$client" deck.dm2 -n 2 -q --restart bad/checkpoint.dm2
@@ -92,7 +93,7 @@ sed '5d' whole/history.csv >bad/history.csv
 expect_status 3 "$seq" deck.dm2 -q --restart bad/checkpoint.prev.dm2
 expect_text err 'bad/history.csv: the row of step 60 is missing'
 
-# Going on from the previous one, which becomes the last: the damaged one is not kept in its place.
+# The previous checkpoint continues and becomes the last; the damaged one is not kept in its place.
 cp -r whole prev
 dd if=whole/checkpoint.dm2 of=prev/checkpoint.dm2 bs=1000 count=5 2>dd.log
 expect_status 0 "$seq" deck.dm2 -q --steps 300 --restart prev/checkpoint.prev.dm2

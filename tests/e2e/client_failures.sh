@@ -1,5 +1,5 @@
-# A server that is absent, refuses, speaks something else, dies or stalls, and a disk that is full: the client names
-# host:port, the step and the reason, exits with the right status, and leaves nothing half-written.
+# A server that is absent, refuses, speaks something else, dies or stalls, and a disk that is full: the client
+# names host:port, the step and the reason, exits with the right status, and leaves nothing half-written.
 . "$DM2_SRC/tests/lib.sh"
 
 tcp=$DM2_BUILD/tools/tcp
@@ -36,17 +36,17 @@ expect_text err missing.dm2
 expect_status 2 "$client" "$deck" -n 1000
 expect_text err '1000 servers for a grid of 345 cells'
 
-# Nobody listens: the port of a server that has just ended.
+# No server listens: the port belonged to a server that has just ended.
 start_server
 stop_server "$SERVER_PID"
 expect_status 3 "$client" "$deck" --server "$SERVER_ADDR" -o absent
-expect_text err "server 0 of 1, before the first step: $SERVER_ADDR: Connection refused; no dm2-server listens there"
+expect_text err "server 0 of 1, before the first step: $SERVER_ADDR: Connection refused; no dm2-server"
 nothing_left absent
 expect_status 3 "$client" "$deck" --server no-such-host.invalid -o absent
 expect_text err "the host 'no-such-host.invalid' is not known"
 nothing_left absent
 
-# answered_by BYTES TEXT: the client says so of a server that answers with these bytes.
+# answered_by BYTES TEXT: the client says TEXT of a server that answers with these bytes.
 answered_by()
 {
     rm -f port
@@ -139,9 +139,10 @@ rm -f progress
 [ "$got" -eq 1 ] || { cat err; fail "exit status $got, expected 1"; }
 expect_text err 'interrupted'
 expect_text err '--restart long/checkpoint.dm2'
-[ -f long/checkpoint.dm2 ] && [ -f long/history.csv.part ] && [ ! -f long/history.csv ] || fail "$(find long) was left"
+[ -f long/checkpoint.dm2 ] && [ -f long/history.csv.part ] && [ ! -f long/history.csv ] ||
+    fail "$(find long) was left"
 
-# One that is killed leaves no server behind: the next connection sees it end, the one after finds nobody.
+# A killed client leaves no server behind: the next connection sees the server end, the one after finds none.
 run_long -n 2
 kill -KILL "$client_pid"
 wait "$client_pid"

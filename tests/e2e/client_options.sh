@@ -1,5 +1,5 @@
-# What dm2-client and dm2-server say and do besides running: help, version, --check, hosts files, progress, the choice of
-# servers, waiting for one that is busy, and the address that a server may listen on.
+# dm2-client and dm2-server besides a run: help, version, --check, hosts files, progress, the choice of
+# servers, the wait for a busy server, and the address that a server may listen on.
 . "$DM2_SRC/tests/lib.sh"
 
 client=$DM2_BIN/dm2-client
@@ -21,9 +21,11 @@ expect_text out 'particles 1760'
 expect_text out 'cells 171 = 19 x 9'
 expect_text out 'stable time step'
 expect_text out 'server 3: particles'
-[ "$(grep -c '^server [0-3]: particles [0-9]*, mirrored [0-9]*, cells [0-9]* = .*, interface [0-9]* cells = ' out)" -eq 4 ] ||
+line='^server [0-3]: particles [0-9]*, mirrored [0-9]*, cells [0-9]* = .*, interface [0-9]* cells = '
+[ "$(grep -c "$line" out)" -eq 4 ] ||
     fail "not four servers"
-[ "$(sed -n 's/^server .: particles \([0-9]*\),.*/\1/p' out | awk '{ n += $1 } END { print n }')" -eq 1760 ] ||
+[ "$(sed -n 's/^server .: particles \([0-9]*\),.*/\1/p' out | awk '{ n += $1 } END { print n }')" -eq 1760 ] \
+    ||
     fail "the servers' elements are not all"
 expect_text out 'memory '
 [ ! -e impact.run ] || fail "--check made the run directory"
@@ -67,7 +69,7 @@ exec 3>&-
 wait "$waiting" || fail "the waiting client failed"
 kill -0 "$first_pid" || fail "the server is gone"
 
-# A server that strangers could reach is refused.
+# A server that other machines could reach without a key is refused.
 expect_status 2 "$server" --listen 0.0.0.0 --port 0
 expect_text err 'needs a key: dm2-server --new-key FILE'
 expect_status 2 "$server" --listen :: --port 0

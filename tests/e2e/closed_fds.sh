@@ -7,8 +7,10 @@ let d = 0.04 cm
 domain { size = 2 cm, 1 cm; r_c = 2.5*d; delta_r = 0.25*d }
 time { dt = 0.01 us; steps = 40 }
 material Cu { rho0 = 8.93 g/cm3; c0 = 3.94 km/s; s = 1.489 }
-body left { shape = disc 0.5 cm, 0.5 cm, 0.3 cm; spacing = d; material = Cu; velocity = 0.03, 0; jitter = 0.001 }
-body right { shape = disc 1.5 cm, 0.5 cm, 0.3 cm; spacing = d; material = Cu; velocity = 0.03, 0; jitter = 0.001 }
+body left { shape = disc 0.5 cm, 0.5 cm, 0.3 cm; spacing = d; material = Cu; velocity = 0.03, 0
+    jitter = 0.001 }
+body right { shape = disc 1.5 cm, 0.5 cm, 0.3 cm; spacing = d; material = Cu; velocity = 0.03, 0
+    jitter = 0.001 }
 output { history_every = 1 }
 END
 expect_status 0 "$DM2_BIN/dm2-seq" discs.dm2 -q -o good
@@ -17,7 +19,8 @@ expect_status 0 "$DM2_BIN/dm2-seq" discs.dm2 -q -o good
 for closed in '<&-' '>&-' '2>&-' '<&- >&-' '<&- 2>&-' '>&- 2>&-' '<&- >&- 2>&-'; do
     for program in "dm2-seq" "dm2-client -n 2"; do
         got=0
-        eval "\"$DM2_BIN/\"$program discs.dm2 --overwrite -o run --progress always </dev/null >out 2>err $closed" || got=$?
+        options='--overwrite -o run --progress always'
+        eval "\"$DM2_BIN/\"$program discs.dm2 $options </dev/null >out 2>err $closed" || got=$?
         [ "$got" -eq 0 ] || fail "$program $closed: exit status $got"
         same_bytes good/history.csv run/history.csv
         same_bytes good/final.dm2 run/final.dm2
@@ -41,7 +44,8 @@ done
 # A server's first line goes nowhere, and no socket takes its place.
 (exec "$DM2_BIN/dm2-server" --port 0 --once --timeout 1 <&- >&- 2>&-)
 got=$?
-[ "$got" -eq 3 ] || fail "a server without descriptors: exit status $got, not that of a client that never came"
+[ "$got" -eq 3 ] || fail \
+    "a server without descriptors: exit status $got, not that of a client that never came"
 for program in dm2-model dm2-plot dm2-seq dm2-client dm2-server; do
     got=0
     "$DM2_BIN/$program" --version >&- 2>err || got=$?

@@ -1,5 +1,5 @@
-# Which neighbours touch does not depend on rounding: in an unstrained crystal that reacts or conducts, wherever it lies
-# and whatever its neighbours' distances lack or exceed by a billionth, all neighbours touch.
+# Which neighbours touch does not depend on rounding: in an unstrained crystal that reacts or conducts,
+# wherever it lies and whatever its neighbours' distances lack or exceed by a billionth, all neighbours touch.
 . "$DM2_SRC/tests/lib.sh"
 
 # The places of the crystal: along both axes, in cm.
@@ -53,7 +53,8 @@ body one {
 }
 output { history_every = 1 }
 DECK
-# A lattice all round the domain, unlinked and compressed by nothing, whose lowest corner lies `n` periods from 0.
+# A lattice all round the domain, unlinked and compressed by nothing, whose lowest corner lies `n` periods
+# from 0.
 cat >moved.dm2 <<'DECK'
 let d = 0.03 cm
 let w = 20*d
@@ -80,7 +81,8 @@ run()
 # cell NAME ROW: the value of the column NAME in row ROW of the history.
 cell()
 {
-    awk -F, -v name="$1" -v row="$2" 'NR == 1 { for (i = 1; i <= NF; i++) if (split($i, a, " ") && a[1] == name) at = i }
+    awk -F, -v name="$1" -v row="$2" 'NR == 1 { for (i = 1; i <= NF; i++) if (split($i, a, " ") &&
+        a[1] == name) at = i }
         NR == row + 1 { print $at }' run/history.csv
 }
 
@@ -114,7 +116,8 @@ for stretch in 1e-9 -1e-9; do
     equals "$(reacting)" 39.000000 "reacting pairs, stretched by $stretch"
     equals "$(cell contacts 1)" 1121 "contacts, stretched by $stretch"
     run heat.dm2 -D "stretch=$stretch"
-    equals "$(awk -F, 'END { printf "%.6f", $NF }' run/profile-rows.csv)" 303.441899 "cold half, stretched by $stretch"
+    equals "$(awk -F, 'END { printf "%.6f", $NF }' run/profile-rows.csv)" 303.441899 \
+        "cold half, stretched by $stretch"
 done
 # A linked pair reacts stretched, too; an unlinked pair up to 1.5e-8 beyond the contact distance.
 run reaction.dm2 -D stretch=0.01

@@ -1,4 +1,4 @@
-# How the deck gets to the servers: they read their own copy, or are sent the texts.
+# How the deck gets to the servers: a server reads its own copy, or the client sends the texts.
 . "$DM2_SRC/tests/lib.sh"
 
 client=$DM2_BIN/dm2-client
@@ -6,24 +6,25 @@ mkdir here there outside
 cp "$DM2_SRC/tests/decks/run/scatter.dm2" here/deck.dm2
 cp here/deck.dm2 there/deck.dm2
 
-# The server has it.
+# The server has the deck.
 start_server --deck-dir there
 cd here || exit 1
 expect_status 0 "$client" deck.dm2 -q --server "$SERVER_ADDR" -o ../own --steps 3
 cd .. || exit 1
 
-# It has an older one: both digests are named, nothing runs, until the client's is sent.
+# The server has an older deck: both digests are named, nothing runs, until the client sends its texts.
 echo '# a change' >>there/deck.dm2
 cd here || exit 1
 expect_status 3 "$client" deck.dm2 --server "$SERVER_ADDR" -o ../differs --steps 3
 expect_text err "the deck 'deck.dm2' differs: digest "
-[ "$(grep -c -E 'digest [0-9a-f]{64} on the client, [0-9a-f]{64} on the server' err)" -eq 1 ] || fail "no two digests"
+[ "$(grep -c -E 'digest [0-9a-f]{64} on the client, [0-9a-f]{64} on the server' err)" -eq 1 ] ||
+    fail "no two digests"
 expect_text err '--send-deck'
 expect_status 0 "$client" deck.dm2 -q --server "$SERVER_ADDR" -o ../sent --steps 3 --send-deck
 cd .. || exit 1
 same_bytes own/final.dm2 sent/final.dm2
 
-# It has none, or one that it must not reach: the texts are sent.
+# The server has no deck, or a deck that it must not reach: the texts are sent.
 mv there/deck.dm2 outside/secret.dm2
 ln -s ../outside/secret.dm2 there/secret.dm2
 ln -s ../outside there/link
@@ -36,7 +37,7 @@ for name in deck.dm2 ./deck.dm2 ../here/deck.dm2 "$PWD/deck.dm2" secret.dm2 link
     same_bytes ../own/final.dm2 ../none/final.dm2
 done
 
-# Nor one that includes what it must not reach: it is not even read, so the digests are not compared.
+# A deck that includes a file outside is not even read, so the digests are not compared.
 cd ..
 sed '/^material/,/^}/d' here/deck.dm2 >here/split.dm2
 sed -n '/^material/,/^}/p' here/deck.dm2 >here/part.dm2
@@ -47,9 +48,10 @@ ln -s ../outside/part.dm2 there/part.dm2
 cd here || exit 1
 expect_status 0 "$client" split.dm2 -q --server "$SERVER_ADDR" -o ../split --steps 3
 
-# The command line's changes go with it, whoever reads the deck.
+# The changes of the command line hold for both ways.
 cp deck.dm2 ../there/
 expect_status 0 "$client" deck.dm2 -q --server "$SERVER_ADDR" -o ../defined --steps 3 -D delta=0.02
-expect_status 0 "$client" deck.dm2 -q --server "$SERVER_ADDR" -o ../defined-sent --steps 3 -D delta=0.02 --send-deck
+expect_status 0 "$client" deck.dm2 -q --server "$SERVER_ADDR" -o ../defined-sent --steps 3 -D delta=0.02 \
+    --send-deck
 same_bytes ../defined/final.dm2 ../defined-sent/final.dm2
 ! cmp -s ../own/final.dm2 ../defined/final.dm2 || fail "the definition changed nothing, not even the digest"

@@ -14,19 +14,23 @@ sh "$script" fast 1 true >out 2>err || status=$?
 [ "$status" -eq 0 ] || { cat out err; fail "exit status $status"; }
 
 deck=$DM2_SRC/tests/decks/run/scatter.dm2
-expect_status 0 sh "$script" unlimited 2 sh -c "\"$DM2_BIN/dm2-client\" \"$deck\" -q -o far --steps 10 --hosts \"\$HOSTS\" --key \"\$KEY\""
+expect_status 0 sh "$script" unlimited 2 sh -c \
+    "\"$DM2_BIN/dm2-client\" \"$deck\" -q -o far --steps 10 --hosts \"\$HOSTS\" --key \"\$KEY\""
 expect_status 0 "$DM2_BIN/dm2-seq" "$deck" -q -o here --steps 10
 same_bytes far/final.dm2 here/final.dm2
 
-# A run through a slow link takes longer than constants without a network say, because it waits.
+# A run through a slow link takes longer than constants without a network predict, because the run waits.
 printf '%s\n' quantity,servers,value,unit format,,2, "host,,$(uname -n)," \
-    "version,,$("$DM2_BIN/dm2-client" --version | cut -d ' ' -f 2)," d_x,,0.04,cm d_y,,0.03464,cm L_x,,0.121,cm L_y,,0.121,cm \
+    "version,,$("$DM2_BIN/dm2-client" --version | cut -d ' ' -f 2)," d_x,,0.04,cm d_y,,0.03464,cm \
+        L_x,,0.121,cm L_y,,0.121,cm \
     g,,40,byte k,,1e-08,s k_spread,,0,s sizes,,0, networks,,1, m,2,0,s/byte b,2,0,s residual,2,0,s >here.csv
-expect_status 0 sh "$script" 10baset 2 sh -c "\"$DM2_BIN/dm2-client\" \"$DM2_SRC/input/timing.dm2\" -D n=4000 --steps 6 -o slow \
+expect_status 0 sh "$script" 10baset 2 sh -c "\"$DM2_BIN/dm2-client\" \"$DM2_SRC/input/timing.dm2\" \
+    -D n=4000 --steps 6 -o slow \
     --calibration here.csv --hosts \"\$HOSTS\" --key \"\$KEY\""
 expect_text out 'largest cause of the difference: waiting, +'
 
-# nothing_left PID: no namespace, process, link, control file or directory of the script with this id is there.
+# nothing_left PID: no namespace, process, link, control file or directory of the script with this id is
+# there.
 mkdir -m 777 temporary
 nothing_left()
 {
@@ -59,7 +63,7 @@ ended()
     nothing_left "$pid"
 }
 
-# A command that fails, one that cannot be started, and a server that cannot.
+# A command that fails, a command that cannot be started, a server that cannot be started.
 watched=
 in_front fast 2 false
 ended 1
@@ -75,8 +79,8 @@ ended 1
 expect_text err 'did not start'
 programs=$DM2_BIN
 
-# Signals, while the command has a process of its own, the first time one that takes no notice of any: Ctrl-C goes to the
-# whole group, the others to the script alone.
+# Signals, while the command has a process of its own, which ignores them the first time: Ctrl-C goes to the
+# whole group, the other signals to the script alone.
 mkfifo started
 cat >parent <<'END'
 (trap '' $1; exec sleep 50) &
@@ -95,11 +99,13 @@ for how in INT:-:130 TERM::143 HUP::129; do
     ended "$status"
 done
 
-# Without the rights nothing is made, and the reason is said; as here where the test itself has none.
+# Without the rights nothing is made, and the reason is said.
 chmod 777 .
 setpriv --reuid 65534 --regid 65534 --clear-groups true 2>/dev/null || exit 0
-reached=$(setpriv --reuid 65534 --regid 65534 --clear-groups sh -c "[ -r '$script' ] && [ -w temporary ] && echo yes" 2>/dev/null)
+reached=$(setpriv --reuid 65534 --regid 65534 --clear-groups sh -c \
+    "[ -r '$script' ] && [ -w temporary ] && echo yes" 2>/dev/null)
 [ "$reached" = yes ] || exit 0
-expect_status 77 setpriv --reuid 65534 --regid 65534 --clear-groups env TMPDIR="$PWD/temporary" sh "$script" fast 2 true
+expect_status 77 setpriv --reuid 65534 --regid 65534 --clear-groups env TMPDIR="$PWD/temporary" sh "$script" \
+    fast 2 true
 expect_text out 'skipped: network namespaces cannot be made (this takes root and the ip program): '
 [ -z "$(ls temporary)" ] || fail "a temporary directory is left after a skip"

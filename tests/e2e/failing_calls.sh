@@ -1,5 +1,5 @@
-# The Nth allocation, open, write, fsync or rename fails, for every N of a small run: the program succeeds with the right
-# result or says what is wrong, and leaves nothing half-written.
+# The Nth allocation, open, write, fsync or rename fails, for every N of a small run: the program succeeds
+# with the right result or says what is wrong, and leaves nothing half-written.
 # timeout: 120
 . "$DM2_SRC/tests/lib.sh"
 
@@ -14,7 +14,8 @@ for class in memory open write fsync rename; do
         n=$((n + 1))
         rm -f mark
         got=0
-        DM2_FAIL=$class:$n DM2_FAIL_MARK=mark "$DM2_BUILD/failing/dm2-seq" small.dm2 -q -o run --steps 3 >out 2>err || got=$?
+        DM2_FAIL=$class:$n DM2_FAIL_MARK=mark "$DM2_BUILD/failing/dm2-seq" small.dm2 -q -o run --steps 3 \
+            >out 2>err || got=$?
         [ "$got" -le 3 ] || { cat err; fail "$class $n: exit status $got"; }
         if [ "$got" -eq 0 ]; then
             same_bytes good/final.dm2 run/final.dm2
@@ -33,4 +34,5 @@ for class in memory open write fsync rename; do
     echo "$class: $((n - 1)) calls, $failed failed cleanly"
     [ "$failed" -gt 0 ] || fail "no $class failed: is the wrapping there?"
 done
-[ "$directory" = fsync:1 ] || fail "the new run directory is brought to disk by '$directory', not by the first fsync"
+[ "$directory" = fsync:1 ] || fail \
+    "the new run directory is brought to disk by '$directory', not by the first fsync"

@@ -1,6 +1,7 @@
-# As failing_calls.sh, for dm2-client, dm2-server, dm2-model and dm2-plot, with the calls of sockets and processes too: the Nth
-# one fails, and the program succeeds with the right result (a lost server is made good) or says what is wrong; it does not crash,
-# does not hang and leaves nothing half-written. Every 17th N here; FAILING_EVERY=1 takes all of them, in some minutes.
+# As failing_calls.sh, for dm2-client, dm2-server, dm2-model and dm2-plot, with the calls of sockets and
+# processes too: the Nth one fails, and the program succeeds with the right result (a lost server is made
+# good) or says what is wrong; it does not crash, does not hang and leaves nothing half-written. Every 17th N
+# here; FAILING_EVERY=1 takes all of them, in some minutes.
 # labels: e2e
 # timeout: 1200
 . "$DM2_SRC/tests/lib.sh"
@@ -15,14 +16,16 @@ sed "s/^host,,host,/host,,$(uname -n),/" "$DM2_SRC/tests/fuzz/corpus/calibration
 mkdir mixed # the client finds its servers beside itself
 ln -s "$failing/dm2-client" "$DM2_BIN/dm2-server" mixed/
 
-# Each of these runs one program with DM2_FAIL in its environment and sets `got`, its exit status; `err` is what it said.
+# Each function runs one program with DM2_FAIL in its environment and sets `got`, its exit status; `err` has
+# its standard error.
 of_client()
 {
     got=0
-    mixed/dm2-client small.dm2 -q -n 2 -o run --steps 3 --reconnect 0.1 --timeout 10 >out 2>err </dev/null || got=$?
+    mixed/dm2-client small.dm2 -q -n 2 -o run --steps 3 --reconnect 0.1 --timeout 10 >out 2>err </dev/null \
+        || got=$?
     check_run
 }
-# A server, and a client that is sound: what it says is right or nothing.
+# A server, and a sound client: its answer is right or absent.
 of_server()
 {
     "$failing/dm2-server" --port 0 --once --timeout 2 >fifo 2>err </dev/null &
@@ -30,7 +33,8 @@ of_server()
     line=
     IFS= read -r line <fifo
     client=0
-    [ -z "$line" ] || (unset DM2_FAIL DM2_FAIL_MARK && exec "$DM2_BIN/dm2-client" small.dm2 -q --no-recover --timeout 10 -o run \
+    [ -z "$line" ] || (unset DM2_FAIL DM2_FAIL_MARK && exec "$DM2_BIN/dm2-client" small.dm2 -q --no-recover \
+        --timeout 10 -o run \
         --steps 3 --server "${line##* }") >out 2>err-client </dev/null || client=$?
     got=0
     wait "$pid" || got=$?
@@ -57,7 +61,8 @@ check_run()
     [ ! -e run/final.dm2 ] || same_bytes good/final.dm2 run/final.dm2
     [ ! -e run/history.csv ] || same_bytes good/history.csv run/history.csv
     [ "$got" -ne 0 ] || [ -e run/final.dm2 ] || fail "$what: no result"
-    [ -e run/checkpoint.dm2 ] || [ -z "$(find run -name '*.part' 2>/dev/null)" ] || fail "$what: $(find run -name '*.part')"
+    [ -e run/checkpoint.dm2 ] || [ -z "$(find run -name '*.part' 2>/dev/null)" ] ||
+        fail "$what: $(find run -name '*.part')"
 }
 
 # sweep PROGRAM CLASS...

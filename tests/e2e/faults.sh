@@ -1,5 +1,5 @@
-# Faults between the client and its servers: the kinds of tests/tools/faults.c, a server that sends back what
-# it gets, and one that miscounts its elements. `make soak` runs more seeds.
+# Faults between the client and its servers: the kinds of tests/tools/faults.c, a server that
+# echoes every message, and a server that miscounts its elements. `make soak` runs more seeds.
 # labels: e2e bits
 # timeout: 150
 . "$DM2_SRC/tests/lib.sh"
@@ -15,8 +15,8 @@ while read -r kind injected rest; do
     [ "$injected" != 0 ] || fail "no fault of the kind $kind happened"
 done <soak.out
 
-# tool NAME COMMAND...: starts a program that prints a line first. Sets TOOL_PID and TOOL_LINE; descriptor 5 is its
-# input, 6 its output.
+# tool NAME COMMAND...: starts a program that prints a line first. Sets TOOL_PID and TOOL_LINE; descriptor 5
+# is its input, 6 its output.
 tool()
 {
     mkfifo "$1.in" "$1.out"
@@ -28,7 +28,7 @@ tool()
     IFS= read -r TOOL_LINE <&6
 }
 
-# Its own bytes come back to the client, without and with a key.
+# The client gets its own bytes back, without and with a key.
 "$DM2_BIN/dm2-server" --new-key key >/dev/null || fail 'no key'
 for key in '' '--key key'; do
     tool "mirror${key:+2}" "$DM2_BUILD/tools/tcp" mirror
@@ -43,7 +43,7 @@ for key in '' '--key key'; do
     exec 5>&- 6<&-
 done
 
-# An element too many: no server is lost, the calculation is wrong, and the run stops.
+# An element too many: no server is lost, but the count is wrong and the run stops.
 start_server
 one=$SERVER_PORT
 start_server

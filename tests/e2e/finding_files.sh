@@ -1,5 +1,5 @@
-# Programs behind links find each other; a deck finds the library's materials from any folder; no spelling of an include
-# leads out of the deck's folder.
+# Programs behind links find each other; a deck finds the library's materials from any folder; no spelling of
+# an include leads out of the deck's folder.
 # labels: e2e
 . "$DM2_SRC/tests/lib.sh"
 here=$PWD
@@ -43,7 +43,8 @@ refused "$outside" "x/../../${here##*/}/outside/m.dm2"
 refused 'No such file' "x/.//$here/outside/m.dm2"
 # One file by several names is read once.
 echo "$material" >x/y/m.dm2
-printf '%s\n%s\ninclude "x/y/m.dm2"\ninclude "x//y/m.dm2"\ninclude "./x/./y/m.dm2"\n' "$head" "$body" >deck.dm2
+printf '%s\n%s\ninclude "x/y/m.dm2"\ninclude "x//y/m.dm2"\ninclude "./x/./y/m.dm2"\n' "$head" "$body" \
+    >deck.dm2
 expect_status 0 "$DM2_BIN/dm2-seq" -q -o names deck.dm2
 same_bytes good/history.csv names/history.csv
 
@@ -55,7 +56,8 @@ printf '%s\n%s\ninclude "materials/cu.dm2"\n' "$head" "$(echo "$body" | sed 's/=
 expect_status 0 installed/bin/dm2-seq -q -o user.run user/deck.dm2
 expect_status 0 installed/bin/dm2-client -n 2 -q -o user.2 user/deck.dm2
 same_bytes user.run/final.dm2 user.2/final.dm2
-expect_status 0 "$DM2_BIN/dm2-seq" -q --overwrite -o user.2 user/deck.dm2 # the source tree's own, or that of PREFIX
+expect_status 0 "$DM2_BIN/dm2-seq" -q --overwrite -o user.2 user/deck.dm2 \
+    # the source tree's own, or that of PREFIX
 echo 'material Cu { rho0 = 1 g/cm3; c0 = 4 km/s; s = 1.5' >lib/materials/cu.dm2
 expect_status 2 env DM2_PATH="/nowhere:$here/lib" installed/bin/dm2-seq --check user/deck.dm2
 expect_text err "$here/lib//materials/cu.dm2:1:"
@@ -65,7 +67,8 @@ expect_status 0 env DM2_PATH="$here/lib" installed/bin/dm2-seq --check user/deck
 # A file that lies nowhere: the message names the places.
 sed 's/cu.dm2/gold.dm2/' user/deck.dm2 >user/gold.dm2
 expect_status 2 env DM2_PATH=/nowhere installed/bin/dm2-seq --check user/gold.dm2
-for text in 'user/gold.dm2:4: user/materials/gold.dm2: cannot open: No such file' /nowhere, installed/bin/../share/dm2, DM2_PATH; do
+for text in 'user/gold.dm2:4: user/materials/gold.dm2: cannot open: No such file' /nowhere, \
+    installed/bin/../share/dm2, DM2_PATH; do
     expect_text err "$text"
 done
 # Out of a root no spelling leads, either.

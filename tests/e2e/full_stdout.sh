@@ -1,5 +1,5 @@
-# Standard output that is full, or a pipe that nobody reads: what was asked for is lost, so no program ends with 0.
-# The closing lines of a run are no failure of the run.
+# Standard output that is full, or a pipe that nobody reads: what was asked for is lost, so no program ends
+# with 0. The closing lines of a run are no failure of the run.
 # labels: e2e
 . "$DM2_SRC/tests/lib.sh"
 

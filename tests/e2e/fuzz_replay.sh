@@ -1,5 +1,5 @@
-# Every fuzz target with every seed of its corpus, each as it is and changed at random in the same ways every time: no
-# crash, no finding of a sanitizer. `make fuzz` builds the same targets for libFuzzer.
+# Every fuzz target with every seed of its corpus, each as it is and changed at random in the same ways every
+# time: no crash, no finding of a sanitizer. `make fuzz` builds the same targets for libFuzzer.
 # labels: e2e
 . "$DM2_SRC/tests/lib.sh"
 

@@ -1,5 +1,5 @@
-# Steps and a set-up that take longer than the patience of client and servers: who computes says that it is at work, and the
-# run goes on to the same bytes. A server that says nothing is given up.
+# Steps and a set-up that take longer than the timeout of client and servers: a computing server sends ALIVE,
+# and the run goes on to the same bytes. A silent server is given up.
 # labels: e2e bits
 . "$DM2_SRC/tests/lib.sh"
 
@@ -17,20 +17,22 @@ DM2_BIN=$PWD/slow
 start_server --timeout 1
 slow=$SERVER_ADDR slow_pid=$SERVER_PID
 
-expect_status 0 "$bin/dm2-client" small.dm2 -q --steps 1 -o long --timeout 1 --server "$quick" --server "$slow"
+expect_status 0 "$bin/dm2-client" small.dm2 -q --steps 1 -o long --timeout 1 --server "$quick" --server \
+    "$slow"
 same_bytes whole/final.dm2 long/final.dm2
 same_bytes whole/history.csv long/history.csv
 ! grep -q 'lost and made good' long/run.log || fail "$(cat long/run.log)"
-# Every step took longer than the one that waits waits without a word, twice the client's second.
+# Every step took longer than a silent peer is waited for, twice the client's second.
 sed -n 's/.* steps, \([0-9]*\)\.[0-9]* ms per step$/\1/p' long/run.log >ms
 [ "$(cat ms)" -gt 2000 ] || fail "a step took $(cat ms) ms: nobody had to wait"
 stop_server "$slow_pid"
 
-# In the midst of a step that takes longer than who asks for the status waits, he is answered.
+# A status request is answered in the middle of a step that takes longer than the request waits.
 DM2_SLOW=500
 start_server --timeout 10
 mkfifo hashes
-"$bin/dm2-client" small.dm2 -q --steps 1 -o asked --hash-every 1 --timeout 2 --server "$SERVER_ADDR" >hashes 2>&1 &
+"$bin/dm2-client" small.dm2 -q --steps 1 -o asked --hash-every 1 --timeout 2 --server "$SERVER_ADDR" >hashes \
+    2>&1 &
 running=$!
 exec 3<hashes
 IFS= read -r text <&3

@@ -1,5 +1,5 @@
-# One server that a hosts file names twice is told at once. Clients that want the same servers at the same time wait
-# for each other and all end well, whatever their hosts files call the servers and in which order.
+# One server that a hosts file names twice is told at once. Clients that want the same servers at the same
+# time wait for each other and all end well, whatever their hosts files call the servers and in which order.
 # labels: e2e
 # timeout: 120
 . "$DM2_SRC/tests/lib.sh"
@@ -10,12 +10,15 @@ let d = 0.04 cm
 domain { size = 2 cm, 1 cm; r_c = 2.5*d; delta_r = 0.25*d }
 time { dt = 0.01 us; steps = 20 }
 material Cu { rho0 = 8.93 g/cm3; c0 = 3.94 km/s; s = 1.489 }
-body left { shape = disc 0.5 cm, 0.5 cm, 0.3 cm; spacing = d; material = Cu; velocity = 0.03, 0; jitter = 0.001 }
-body right { shape = disc 1.5 cm, 0.5 cm, 0.3 cm; spacing = d; origin = 1.5 cm, 0.5 cm; material = Cu; velocity = 0.03, 0 }
+body left { shape = disc 0.5 cm, 0.5 cm, 0.3 cm; spacing = d; material = Cu; velocity = 0.03, 0
+    jitter = 0.001 }
+body right { shape = disc 1.5 cm, 0.5 cm, 0.3 cm; spacing = d; origin = 1.5 cm, 0.5 cm; material = Cu
+    velocity = 0.03, 0 }
 DECK
 "$DM2_BIN/dm2-seq" -q -o reference discs.dm2 || fail "the reference run failed"
 
-# Equal lines, equal options, slots that overlap the next line's, a spare that is a server already: exit status 2.
+# Equal lines, equal options, slots that overlap the next line's, a spare that is a server already: exit
+# status 2.
 start_server
 printf '# one server\n%s\n%s\n' "$SERVER_ADDR" "$SERVER_ADDR" >twice
 expect_status 2 "$client" -q -o run --hosts twice discs.dm2
@@ -56,7 +59,8 @@ while [ $round -lt 8 ]; do
     pids=
     for hosts in forward backward other; do
         [ $hosts != other ] || [ $((round % 4)) = 0 ] || continue
-        "$client" -q --overwrite -o "run-$hosts" --hosts $hosts --timeout 20 discs.dm2 2>"err-$hosts" </dev/null &
+        "$client" -q --overwrite -o "run-$hosts" --hosts $hosts --timeout 20 discs.dm2 2>"err-$hosts" \
+            </dev/null &
         pids="$pids $!"
     done
     for pid in $pids; do

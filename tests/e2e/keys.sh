@@ -1,11 +1,12 @@
-# Keys: who has one is served, off loopback too, with the same results; who has none or another learns nothing.
+# Keys: a client with the key is served, off loopback too, with the same results; a client without it learns
+# nothing.
 . "$DM2_SRC/tests/lib.sh"
 
 client=$DM2_BIN/dm2-client
 server=$DM2_BIN/dm2-server
 deck=$DM2_SRC/tests/decks/run/scatter.dm2
 
-# Making a key: for its owner alone, never the same, never over another file.
+# A new key: readable by its owner alone, never the same, never over another file.
 umask 0
 expect_status 0 "$server" --new-key key
 [ "$(ls -l key | cut -c 1-10)" = -rw------- ] || fail "the mode: $(ls -l key)"
@@ -18,7 +19,7 @@ expect_status 0 "$server" --new-key other
 ! cmp -s key other || fail "the same key twice"
 umask 022
 
-# A key that others can read, or that is none, is not used; off loopback there must be one.
+# A key that others can read, or a file that is no key, is not used; off loopback a key is required.
 cp key open
 chmod 640 open
 head -c 50 key >short
@@ -39,7 +40,7 @@ expect_status 2 "$client" "$deck" -n 2 --key key
 expect_status 2 "$server" --port 0 --allow 10.0.0.1/8
 expect_status 2 "$server" --port 0 --allow ten
 
-# With it: the same bytes as alone.
+# With the key: the bytes of the sequential run.
 start_server --listen 0.0.0.0 --key key
 one=127.0.0.1:$SERVER_PORT one_log=$SERVER_LOG
 start_server --key key --allow 10.0.0.0/8 --allow 127.0.0.0/8
@@ -49,7 +50,7 @@ expect_status 0 "$client" "$deck" -q --key key --server "$one" --server "$two" -
 same_bytes seq/final.dm2 run/final.dm2
 same_bytes seq/history.csv run/history.csv
 
-# Without it, or with another: refused, and not told why; the log of the server says it.
+# Without the key, or with another: refused without a reason; the server's log has the reason.
 expect_status 3 "$client" "$deck" --server "$one" -o none
 expect_text err 'refuses the connection: it wants a key (--key FILE), or does not admit this machine'
 expect_status 3 "$client" "$deck" --key other --server "$one" -o none
@@ -58,7 +59,7 @@ expect_status 0 "$client" "$deck" -q --key key --server "$one" -o again --steps 
 expect_text "$one_log" 'the client sent HELLO where KNOCK is due'
 expect_text "$one_log" 'the client has another key'
 
-# A server without the key is not trusted by a client that has one.
+# A client with a key does not trust a server without the key.
 start_server
 expect_status 3 "$client" "$deck" --key key --server "$SERVER_ADDR" -o none
 expect_text err 'the client sent KNOCK where HELLO is due'
@@ -69,14 +70,15 @@ expect_status 3 "$client" "$deck" --server "$SERVER_ADDR" -o none
 expect_text "$SERVER_LOG" 'not among those of --allow'
 [ ! -e none/final.dm2 ] || fail "a refused run has results"
 
-# What a server takes on.
+# Limits of a server.
 start_server --max-steps 10 --max-elements 100
 expect_status 2 "$client" "$deck" --server "$SERVER_ADDR" -o none --steps 11
 expect_text err 'the deck has 11 time steps, this server takes at most 10'
 expect_status 2 "$client" "$deck" --server "$SERVER_ADDR" -o none --steps 10
 expect_text err 'this server takes at most 100: dm2-server --max-elements N'
 grep -q 'the deck makes [0-9][0-9]* elements, ' err || fail 'the elements were not counted'
-# Far beyond, it is not even counted.
-sed -e 's/spacing = 0.07/spacing = 0.005/; s/radius = 0.02/radius = 0.002/; s/dt = 0.02 us/dt = 0.001 us/' "$deck" >many.dm2
+# A deck far beyond the limit is refused before its elements are counted.
+sed -e 's/spacing = 0.07/spacing = 0.005/; s/radius = 0.02/radius = 0.002/; s/dt = 0.02 us/dt = 0.001 us/' \
+    "$deck" >many.dm2
 expect_status 2 "$client" many.dm2 --server "$SERVER_ADDR" -o none --steps 10
 expect_text err 'the deck makes about 1.92e+05 elements'

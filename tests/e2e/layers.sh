@@ -1,6 +1,7 @@
-# Which layer may include from which: the table `may` below. The same holds for headers, so that no header carries a forbidden
-# arrow. A header in include/dm2/LAYER is a door: another layer includes it, or another door does. Every other header lies
-# in src/LAYER beside its .c. A base name belongs to one layer, because the archive and a debugger know objects by it.
+# Which layer may include from which: the table `may` below. The same holds for headers, so that no header
+# carries a forbidden arrow. A header in include/dm2/LAYER is a door: another layer includes it, or another
+# door does. Every other header lies in src/LAYER beside its .c. A base name belongs to one layer, because the
+# archive and a debugger know objects by it.
 # labels: check
 . "$DM2_SRC/tests/lib.sh"
 
@@ -36,7 +37,7 @@ check_tree()
             while ((getline path < list) > 0) {
                 is_there[path] = 1
                 layer = layer_of(path)
-                if (!(layer in may)) print path ": is in no layer (base deck engine output net cluster performance plot app)"
+                if (!(layer in may)) print path ": is in no layer"
                 else if (!(name_of(path) in home)) home[name_of(path)] = layer
                 else if (home[name_of(path)] != layer)
                     print path ": the layer " home[name_of(path)] " has a file of this name too"
@@ -64,20 +65,21 @@ check_tree()
         END {
             for (path in is_there)
                 if (path ~ /^include\// && layer_of(path) in may && !(path in opened))
-                    print path ": is no door, neither another layer nor a door includes it: move it to src/" layer_of(path)
+                    print path ": is no door, neither another layer nor a door includes it: move it to src/" \
+                        layer_of(path)
         }' <"$TMPDIR/files"
     )
 }
 
-# The check itself, on a tree with each kind of mistake and some lines that are right. The door of layer L is in_L.h; the
-# application, which may include everything, opens each of them.
+# The check itself, on a tree with each kind of mistake and some lines that are right. The door of layer L is
+# in_L.h; the application, which may include everything, opens each of them.
 layers='base deck engine output net cluster performance plot app'
 for layer in $layers; do
     mkdir -p "tree/src/$layer"
     [ "$layer" = app ] || mkdir -p "tree/include/dm2/$layer"
 done
-right='cluster:output cluster:engine cluster:deck cluster:net output:engine output:deck engine:deck engine:base engine:engine
-deck:base net:base performance:base plot:base'
+right='cluster:output cluster:engine cluster:deck cluster:net output:engine output:deck engine:deck
+engine:base engine:engine deck:base net:base performance:base plot:base'
 for layer in $layers; do
     [ "$layer" = app ] || printf '#include "dm2/%s/in_%s.h"\n' "$layer" "$layer" >>tree/src/app/all.c
     [ "$layer" = app ] || : >"tree/include/dm2/$layer/in_$layer.h"
@@ -91,8 +93,8 @@ done
 echo '#include "inside.h"' >tree/src/engine/inside.c
 check_tree tree >found
 [ ! -s found ] || { cat found; fail "the check finds fault with what is allowed"; }
-wrong='deck:engine engine:output output:cluster output:net engine:net net:engine net:deck base:deck engine:cluster net:cluster
-cluster:plot plot:performance performance:engine plot:output'
+wrong='deck:engine engine:output output:cluster output:net engine:net net:engine net:deck base:deck
+engine:cluster net:cluster cluster:plot plot:performance performance:engine plot:output'
 for arrow in $wrong; do
     from=${arrow%:*} to=${arrow#*:}
     printf '  #  include "dm2/%s/in_%s.h"\n' "$to" "$to" >"tree/src/$from/${from}_$to.c"
@@ -109,7 +111,8 @@ echo '#include "dm2/engine/alone.h"' >tree/src/engine/alone.c # its only reader 
 : >tree/include/dm2/engine/alone.h
 : >tree/src/deck/twice.c
 : >tree/src/plot/twice.c
-printf '%s\n' src/engine/path.c src/cluster/inside_of_engine.c src/engine/missing.c src/engine/angle.c src/stray.c \
+printf '%s\n' src/engine/path.c src/cluster/inside_of_engine.c src/engine/missing.c src/engine/angle.c \
+    src/stray.c \
     include/dm2/engine/alone.h src/plot/twice.c >>wrong
 LC_ALL=C sort wrong >expected
 check_tree tree | sed -e 's/:.*//' | LC_ALL=C sort >found

@@ -1,5 +1,5 @@
-# Lennard-Jones of `epsilon` and `sigma` is that potential, between all pairs, or the deck is refused: with the scope
-# `linked`, the default, its minimum would lie at the contact distance.
+# Lennard-Jones of `epsilon` and `sigma` is that potential, between all pairs, or the deck is refused: with
+# the scope `linked`, the default, its minimum would lie at the contact distance.
 # labels: e2e physics
 . "$DM2_SRC/tests/lib.sh"
 
@@ -12,7 +12,8 @@ time { dt = 0.002; steps = 1 }
 material atom { mass = 1 }
 interaction { potential = lennard-jones; epsilon = 1; sigma = 1; $1 }
 body left { shape = rectangle 9.5 4.5 10.5 5.5; spacing = 1; radius = 0.5; origin = 10 5; material = atom }
-body right { shape = rectangle 9.5 + $2 4.5 10.5 + $2 5.5; spacing = 1; radius = 0.5; origin = 10 + $2, 5; material = atom }
+body right { shape = rectangle 9.5 + $2 4.5 10.5 + $2 5.5; spacing = 1; radius = 0.5; origin = 10 + $2, 5
+    material = atom }
 output { history_every = 1 }
 END
 }
@@ -21,7 +22,8 @@ for scope in '' 'scope = linked'; do
     pair "$scope" 1.3
     for program in "$DM2_BIN/dm2-seq" "$DM2_BIN/dm2-client"; do
         expect_status 2 "$program" pair.dm2 -q -o run
-        expect_text err "pair.dm2:4:52: error: 'epsilon' and 'sigma' give the Lennard-Jones potential of all pairs within 'cutoff': write 'scope = all'"
+        expect_text err "pair.dm2:4:52: error: 'epsilon' and 'sigma' give the Lennard-Jones potential"
+        expect_text err "of all pairs within 'cutoff': write 'scope = all'"
         [ ! -e run ] || fail 'a refused deck has a run directory'
     done
 done

@@ -1,4 +1,4 @@
-# dm2-model predict and what-if: the CSV that scripts rely on, the paper's numbers, and what is refused.
+# dm2-model predict and what-if: the CSV that scripts rely on, the paper's numbers, and refused command lines.
 . "$DM2_SRC/tests/lib.sh"
 
 model=$DM2_BIN/dm2-model
@@ -28,7 +28,8 @@ refused()
 
 # --- the paper's numbers
 expect_status 0 "$model" predict --preset paper --n 100000 --aspect 1.3571 --csv
-[ "$(sed -n 1p out)" = 'n,s,servers,p_x,p_y,t_seq,t_comm,t_dist,speedup,efficiency' ] || fail "the header is wrong"
+[ "$(sed -n 1p out)" = 'n,s,servers,p_x,p_y,t_seq,t_comm,t_dist,speedup,efficiency' ] ||
+    fail "the header is wrong"
 [ "$(wc -l <out)" -eq 4 ] || fail "a header and three rows were expected"
 cp out paper.csv
 for row in 1 2 3; do
@@ -67,8 +68,10 @@ near "$(field out 1 8)" 8.29 1e-9 "t_dist with hidden communication"
 
 # --- what-if
 expect_status 0 "$model" what-if --csv --n 100000
-[ "$(sed -n 1p out)" = 'case,n,s,servers,t_seq,t_comm,t_dist,speedup,efficiency' ] || fail "the header is wrong"
-[ "$(cut -d , -f 1 out | tr '\n' ' ')" = 'case as-is processors-x10 peer-to-peer network-x10 network-x100 ' ] ||
+[ "$(sed -n 1p out)" = 'case,n,s,servers,t_seq,t_comm,t_dist,speedup,efficiency' ] ||
+    fail "the header is wrong"
+[ "$(cut -d , -f 1 out | tr '\n' ' ')" = 'case as-is processors-x10 peer-to-peer network-x10 network-x100 ' \
+    ] ||
     fail "the cases are wrong"
 near "$(field out 1 8)" 6.105 0.0005 "the speedup as it is"
 near "$(field out 2 8)" 1.949 0.0005 "the speedup with faster processors"
@@ -88,8 +91,10 @@ host=$(uname -n)
 version=$("$model" --version | cut -d ' ' -f 2)
 calibration()
 {
-    printf '%s\n' quantity,servers,value,unit format,,2, "host,,$1," "version,,$2," d_x,,0.04,cm d_y,,0.03464,cm \
-        L_x,,0.121,cm L_y,,0.121,cm g,,88,byte k,,1e-06,s k_spread,,0,s sizes,,0, networks,,1, m,2,1e-09,s/byte \
+    printf '%s\n' quantity,servers,value,unit format,,2, "host,,$1," "version,,$2," d_x,,0.04,cm \
+        d_y,,0.03464,cm \
+        L_x,,0.121,cm L_y,,0.121,cm g,,88,byte k,,1e-06,s k_spread,,0,s sizes,,0, networks,,1, \
+            m,2,1e-09,s/byte \
         b,2,1e-05,s residual,2,0,s
 }
 calibration "$host" "$version" >dm2-calibration.csv

@@ -1,5 +1,5 @@
-# Turned lattices have the same bytes where the compiler may fuse a product and a sum. Builds whose arithmetic is not
-# IEEE 754's do not compile, or refuse to run.
+# Turned lattices have the same bytes where the compiler may fuse a product and a sum. Builds whose arithmetic
+# is not IEEE 754's do not compile, or refuse to run.
 # labels: e2e
 # timeout: 200
 . "$DM2_SRC/tests/lib.sh"
@@ -13,7 +13,8 @@ let d = 0.04 cm
 domain { size = 3 cm, 2 cm; r_c = 2.5*d; delta_r = 0.25*d }
 time { dt = 0.025 us; steps = 10 }
 material Cu { rho0 = 8.93 g/cm3; c0 = 3.94 km/s; s = 1.489 }
-body left { shape = disc 0.95 cm, 1 cm, 0.5 cm; spacing = d; angle = 17 deg; material = Cu; velocity = 0.02, 0 }
+body left { shape = disc 0.95 cm, 1 cm, 0.5 cm; spacing = d; angle = 17 deg; material = Cu
+    velocity = 0.02, 0 }
 body right {
     shape = disc 2.05 cm, 1 cm, 0.5 cm; spacing = d; angle = 31 deg; origin = 3 cm, 0.01 cm; material = Cu
     velocity = -0.02, 0
@@ -23,7 +24,8 @@ DECK
 # Where the vectorizers are on, gcc fuses pairs of a minus and a plus in spite of -ffp-contract=off.
 native='-O3 -ftree-slp-vectorize -march=native'
 if echo | "$cc" $native -dM -E -x c - 2>/dev/null | grep -q -E '__FMA__|__ARM_FEATURE_FMA'; then
-    expect_status 0 make -j2 -C "$DM2_SRC" FLAVOUR=release BUILD="$PWD/native" BIN="$PWD/native/bin" CC="$cc" \
+    expect_status 0 make -j2 -C "$DM2_SRC" FLAVOUR=release BUILD="$PWD/native" BIN="$PWD/native/bin" \
+        CC="$cc" \
         CFLAGS="$native" "$PWD/native/bin/dm2-seq"
     for steps in 0 10; do
         expect_status 0 "$DM2_BIN/dm2-seq" -q --steps $steps -o portable-$steps turned.dm2
@@ -48,12 +50,14 @@ refuse_flags()
 refuse_flags -Ofast -ffast-math -ffinite-math-only
 case $("$cc" --version) in
 *clang*) ;;
-*) refuse_flags -funsafe-math-optimizations -freciprocal-math -fno-signed-zeros '-ffast-math -fno-finite-math-only' ;;
+*) refuse_flags -funsafe-math-optimizations -freciprocal-math -fno-signed-zeros \
+    '-ffast-math -fno-finite-math-only' ;;
 esac
 
 # Linked with -ffast-math, a program flushes subnormals to zero: no compiler tells that by a macro.
 for program in dm2-seq dm2-server dm2-model dm2-plot; do
-    expect_status 0 "$cc" -ffast-math -o "fast-$program" "$DM2_BUILD/src/app/$program.o" "$DM2_BUILD/libdm2.a" -lm
+    expect_status 0 "$cc" -ffast-math -o "fast-$program" "$DM2_BUILD/src/app/$program.o" \
+        "$DM2_BUILD/libdm2.a" -lm
 done
 case $(uname -sm) in
 'Linux x86_64')

@@ -1,5 +1,5 @@
-# An element alone and the inner elements of a sheared strip have a pressure of 0, some by -0 + -0 and some by xx = -yy:
-# the history has the same bytes for every number of servers, and no file has a -0.
+# An element alone and the inner elements of a sheared strip have a pressure of 0, some by -0 + -0 and some by
+# xx = -yy: the history has the same bytes for every number of servers, and no file has a -0.
 # labels: e2e
 . "$DM2_SRC/tests/lib.sh"
 cat >shear.dm2 <<'DECK'
@@ -12,7 +12,8 @@ domain { size = 48*x, 1.2 cm; boundary = periodic free; r_c = 2.5*d; delta_r = 0
 time { dt = 0.001 us; steps = 2 }
 material M { rho0 = 8 g/cm3; c0 = 4 km/s }
 interaction { potential = quadratic }
-body alone { shape = rectangle 46.9*x, 0, 47.9*x, d; spacing = d; origin = 47.5*x, d/2; material = M; velocity = -0, 0 }
+body alone { shape = rectangle 46.9*x, 0, 47.9*x, d; spacing = d; origin = 47.5*x, d/2; material = M
+    velocity = -0, 0 }
 body strip {
     shape = rectangle 0, 4.5*y, 48*x, 16.5*y
     lattice = square; spacing = x; row_spacing = y; radius = d/2; origin = x/2, y
@@ -33,5 +34,6 @@ for file in seq/history.csv seq/snapshots/*.xyz; do
         fail "$file has a -0"
     fi
 done
-pressure=$(awk -F, 'NR == 1 { for (k = 1; k <= NF; k++) if ($k ~ /^pressure_min/) at = k } NR == 2 { print $at }' seq/history.csv)
+pressure=$(awk -F, 'NR == 1 { for (k = 1; k <= NF; k++) if ($k ~ /^pressure_min/) at = k } NR == 2 {
+    print $at }' seq/history.csv)
 [ "$pressure" = 0 ] || fail "pressure_min is $pressure"

@@ -1,5 +1,5 @@
-# Numbers that go wrong end a run, with either program, with step, element and place, and with the command that continues
-# from the last checkpoint; nothing is repeated in the hope of better ones.
+# Numbers that go wrong end a run of either program, with step, element and place, and with the command that
+# continues from the last checkpoint; no step is repeated.
 . "$DM2_SRC/tests/lib.sh"
 deck=$DM2_SRC/tests/decks/run/scatter.dm2
 place='at ([0-9.e+-]*, [0-9.e+-]*) cm'
@@ -14,16 +14,17 @@ breaks()
         # shellcheck disable=SC2086 # the words of the program
         expect_status 1 $program "$@" -q -o run --checkpoint-every 2
         grep -q "$said" err || { cat err; fail "$program $*: nothing says '$said'"; }
-        grep -q 'the last checkpoint is of step [0-9]*; to continue: ' err || { cat err; fail "$program $*: no advice"; }
+        grep -q 'the last checkpoint is of step [0-9]*; to continue: ' err ||
+            { cat err; fail "$program $*: no advice"; }
         [ -f run/checkpoint.dm2 ] || fail "$program $*: no checkpoint"
         [ ! -f run/final.dm2 ] && [ ! -f run/history.csv ] || fail "$program $*: results"
     done
 }
 
-# Too fast: a field of gravity that makes elements cross a cell in one step, some steps later.
+# Too fast: gravity makes elements cross a cell in one step, some steps later.
 sed 's/^domain {/&\n  gravity = 0 -5/' "$deck" >falling.dm2
 breaks "step 64: element [0-9]* $place would move further than a cell edge in one step" falling.dm2
-# Too strong: two atoms are thrown at each other and are in one place after ten steps.
+# Too strong: two atoms fly at each other and stand in one place after ten steps.
 breaks 'step 10: the force between elements [01] and [01], near (15, 10) cm, is out of range' \
     "$DM2_SRC/tests/decks/run/meeting.dm2"
 
@@ -32,12 +33,12 @@ mkdir losing
 ln -s "$DM2_BUILD/failing/losing-server" losing/dm2-server
 ln -s "$DM2_BIN/dm2-client" losing/dm2-client
 expect_status 1 losing/dm2-client "$deck" -q -n 2 -o lost --checkpoint-every 2 --copy-every 0
-grep -E -q 'step 5: the servers hold [0-9]+ elements together instead of [0-9]+$' err || { cat err; fail 'nobody counts'; }
+grep -E -q 'step 5: the servers hold [0-9]+ elements together instead of [0-9]+$' err ||
+    { cat err; fail 'nobody counts'; }
 expect_text err 'the last checkpoint is of step 4; to continue: '
 [ ! -f lost/final.dm2 ] || fail 'a result'
 
-# A server whose updates of what others mirror have a number that cannot be, in the position or the velocity: it is not taken for
-# a server that is lost.
+# A server whose updates have an impossible position or velocity does not count as lost.
 mkdir spoiling
 ln -s "$DM2_BUILD/failing/spoiling-server" spoiling/dm2-server
 ln -s "$DM2_BIN/dm2-client" spoiling/dm2-client
@@ -48,12 +49,13 @@ for spoil in '0 nan' '1 inf' '2 -inf' '3 nan' '0 1e300' '1 -9'; do
     esac
     rm -rf spoiled
     expect_status 1 env DM2_SPOIL="$spoil" spoiling/dm2-client "$deck" -q -n 2 -o spoiled --checkpoint-every 2
-    grep -q "step [0-9]*: the update of element [0-9]* from server [01], last $place, $what" err || { cat err; fail "$spoil: nobody sees it"; }
+    grep -q "step [0-9]*: the update of element [0-9]* from server [01], last $place, $what" err ||
+        { cat err; fail "$spoil: nobody sees it"; }
     grep -q 'the last checkpoint is of step [46]; to continue: ' err || { cat err; fail "$spoil: no advice"; }
     [ ! -f spoiled/final.dm2 ] && [ ! -f spoiled/history.csv ] || fail "$spoil: results"
 done
 
-# Where two runs part: in one of them the sides are open, which matters once an element reaches them.
+# Two runs part where an element reaches a side that is open in one run only.
 sed 's/boundary = periodic periodic/boundary = free free/' "$deck" >open.dm2
 expect_status 0 "$DM2_BIN/dm2-client" open.dm2 -n 2 -q --steps 120 --hash-every 10 -o open
 mv out open.txt

@@ -1,5 +1,5 @@
-# Decks as editors and web pages make them are read, or told by name; small inputs take memory in proportion, or are
-# told before they take it.
+# Decks as editors and web pages make them are read, or told by name; small inputs take memory in proportion,
+# or are told before they take it.
 # labels: e2e
 . "$DM2_SRC/tests/lib.sh"
 seq=$DM2_BIN/dm2-seq
@@ -17,7 +17,8 @@ END
 deck >good.dm2
 expect_status 0 "$seq" good.dm2 -q -o good
 
-# Read: a byte order mark, before a comment and before a block, also in an included file; line ends of CR alone.
+# Read: a byte order mark, before a comment and before a block, also in an included file; line ends of CR
+# alone.
 { printf '\357\273\277'; deck; } >mark.dm2
 { printf '\357\273\277'; deck | sed 1d; } >mark-block.dm2
 deck | tr '\n' '\r' >cr.dm2
@@ -51,7 +52,8 @@ put 'dt = 0.01 us' 'dt = 0.01\342\200\257us' | told narrow 'U+202F' 'ordinary bl
 put 'dt = 0.01 us' 'dt = 0.01\342\200\211us' | told thin 'typographic space (U+2009)' 'ordinary blank'
 put '0.4 cm, 0.4 cm,' '0.4 cm, \342\210\2220.4 cm,' | told minus 'minus sign (U+2212)' 'ordinary -'
 put '0.4 cm, 0.4 cm,' '0.4 cm, \342\200\2230.4 cm,' | told dash 'en dash (U+2013)' 'ordinary -'
-{ printf 'include \342\200\234m.dm2\342\200\235\n'; deck; } | told quotes 'typographic quote (U+201C)' 'ordinary "'
+{ printf 'include \342\200\234m.dm2\342\200\235\n'; deck; } |
+    told quotes 'typographic quote (U+201C)' 'ordinary "'
 put '0.01 us' '0.01 \302\265s' | told micro 'micro sign (U+00B5)' 'put u'
 put 'g.cm3' 'g\/cm\302\263' | told cube 'superscript three (U+00B3)' '^3'
 put 'body b' 'body \351' | told latin 'byte E9' 'UTF-8'
@@ -60,10 +62,12 @@ deck | sed 's/./&\x00/g' | told utf16 'the file is UTF-16: save it as plain text
 [ "$(wc -l <err)" -eq 1 ] || fail "more than one line about UTF-16: $(cat err)"
 
 # 9e8 cells for thirty elements: told before the memory is taken, and by --check as well.
-sed 's/domain.*/let n = 1000\ndomain { size = n*0.111 cm, n*0.111 cm; r_c = 0.1 cm; delta_r = 0.01 cm }/' good.dm2 >cells.dm2
+sed 's/domain.*/let n = 1000\ndomain { size = n*0.111 cm, n*0.111 cm; r_c = 0.1 cm; delta_r = 0.01 cm }/' \
+    good.dm2 >cells.dm2
 expect_status 0 "$seq" cells.dm2 -q -o cells
 if [ "$FLAVOUR" = release ]; then # sanitizers reserve terabytes
-    for command in "dm2-seq --check" "dm2-seq -q -o no" "dm2-client --check -n 2" "dm2-client -q -n 2 -o no"; do
+    for command in "dm2-seq --check" "dm2-seq -q -o no" "dm2-client --check -n 2" \
+        "dm2-client -q -n 2 -o no"; do
         program=$DM2_BIN/$command
         # shellcheck disable=SC2086
         expect_status 1 sh -c 'ulimit -v 3000000; exec "$@"' sh $program -D n=30000 cells.dm2
@@ -78,7 +82,8 @@ if [ "$FLAVOUR" = release ]; then # sanitizers reserve terabytes
         expect_status 0 sh -c 'ulimit -S -s 64; exec "$@"' sh "$DM2_BIN/$program" --version
     done
     many() { awk -v n="$2" -v text="$1" 'BEGIN { for (i = 0; i < n; i++) printf "%s", text }'; }
-    { cat good.dm2; echo "let x = $(many '(' 199)1$(many ')' 199)"; echo "let z = $(many 'max(1,' 190)1$(many ')' 190)"; } >f60.dm2
+    { cat good.dm2; echo "let x = $(many '(' 199)1$(many ')' 199)"; echo \
+        "let z = $(many 'max(1,' 190)1$(many ')' 190)"; } >f60.dm2
     i=0
     while [ $i -lt 60 ]; do
         echo "include \"f$((i + 1)).dm2\"" >f$i.dm2

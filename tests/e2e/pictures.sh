@@ -1,5 +1,5 @@
-# No picture of README and gallery is stale: scripts/pictures.sh draws the bytes that docs/ has, draws every picture that
-# lies there, and each is shown somewhere.
+# No picture of README and gallery is stale: scripts/pictures.sh draws the bytes that docs/ has, draws every
+# picture that lies there, and each is shown somewhere.
 # labels: e2e
 # timeout: 120
 . "$DM2_SRC/tests/lib.sh"
@@ -16,7 +16,8 @@ here=$PWD
 n=0
 for picture in drawn/*.svg drawn/gallery/*.svg; do
     name=${picture#drawn/}
-    cmp "$picture" "$DM2_SRC/docs/$name" || fail "docs/$name is stale: run scripts/pictures.sh, and read the text beside it"
+    cmp "$picture" "$DM2_SRC/docs/$name" || fail \
+        "docs/$name is stale: run scripts/pictures.sh, and read the text beside it"
     n=$((n + 1))
 done
 echo "$n pictures are those of the decks"

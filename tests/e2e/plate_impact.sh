@@ -1,5 +1,5 @@
-# The plate impact does what the paper shows: the grid of its Fig. 6, the free surface's velocity, the spall of Fig. 12;
-# momentum and energy are kept.
+# The plate impact does what the paper shows: the grid of its Fig. 6, the free surface's velocity, the spall
+# of Fig. 12; momentum and energy are kept.
 # labels: e2e physics
 . "$DM2_SRC/tests/lib.sh"
 deck=$DM2_SRC/input/plate-impact.dm2

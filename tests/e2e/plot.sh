@@ -1,10 +1,11 @@
-# dm2-plot from a user's seat: pictures, charts, exit codes, messages that name the file, nothing half-written.
+# dm2-plot as a user runs it: pictures, charts, exit codes, messages that name the file, nothing half-written.
 # labels: e2e plot
 . "$DM2_SRC/tests/lib.sh"
 plot=$DM2_BIN/dm2-plot
 fake=$DM2_BUILD/tools/fake_snapshot
 
-# refuses STATUS TEXT COMMAND...: it exits with STATUS and says TEXT on standard error, nothing on standard output.
+# refuses STATUS TEXT COMMAND...: COMMAND exits with STATUS, says TEXT on standard error, nothing on standard
+# output.
 refuses()
 {
     status=$1 text=$2
@@ -20,7 +21,8 @@ expect_text out state.svg
 expect_text state.svg '>nickel<'
 [ "$(wc -c <state.svg)" -lt 250000 ] || fail "state.svg is too large"
 for colour in material velocity vy stress pressure temperature links grain body; do
-    expect_status 0 "$plot" snapshot state.vtp -o picture.svg --colour "$colour" --links --title "By $colour" --width 500
+    expect_status 0 "$plot" snapshot state.vtp -o picture.svg --colour "$colour" --links --title \
+        "By $colour" --width 500
     expect_text picture.svg ">By $colour<"
 done
 expect_status 0 "$plot" snapshot --range -0.5 0.5 state.vtp --colour vy --output=picture.svg

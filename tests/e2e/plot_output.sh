@@ -1,5 +1,5 @@
-# Outputs go to plain files and to standard output: a FIFO, a link, a device or a directory of the name is refused and
-# stays as it is, for pictures, calibrations and every file of a run directory.
+# Outputs go to plain files and to standard output: a FIFO, a link, a device or a directory of the name is
+# refused and stays as it is, for pictures, calibrations and every file of a run directory.
 # labels: e2e
 . "$DM2_SRC/tests/lib.sh"
 seq=$DM2_BIN/dm2-seq
@@ -7,7 +7,8 @@ plot=$DM2_BIN/dm2-plot
 printf 'x,y\n0,1\n1,2\n2,4\n' >a.csv
 chart() { "$plot" chart a.csv --x x --y y -o "$1"; }
 
-# odd_names NAME: makes what is no plain file in its place, one after the other; `still` tells whether it is unchanged.
+# odd_names NAME: makes what is no plain file in its place, one after the other; `still` tells whether it is
+# unchanged.
 odd_kinds='fifo link dangling directory device'
 make_odd() # KIND NAME
 {
@@ -38,7 +39,8 @@ for kind in $odd_kinds; do
     [ ! -e plot.svg.part ] || fail "$kind: plot.svg.part was left"
     rm -rf plot.svg
 done
-# Standard output, also in a pipe; a plain file is replaced; a link in place of the temporary file is not followed.
+# Standard output, also in a pipe; a plain file is replaced; a link in place of the temporary file is not
+# followed.
 expect_status 0 chart -
 [ ! -e ./- ] || fail 'a file - was made'
 mv out picture.svg
@@ -78,7 +80,8 @@ output { history_every = 1; snapshot_every = 4; format = vtp, xyz; checkpoint_ev
 END
 expect_status 0 "$seq" deck.dm2 -q -o good
 (cd good && find . -type f | sort) >files
-for name in final.dm2 history.csv fragments.csv profile-p.csv run.log timing.csv checkpoint.dm2 checkpoint.prev.dm2; do
+for name in final.dm2 history.csv fragments.csv profile-p.csv run.log timing.csv checkpoint.dm2 \
+    checkpoint.prev.dm2; do
     grep -q "/$name\$" files || fail "the run has no $name: $(cat files)"
 done
 while IFS= read -r name; do
@@ -89,7 +92,8 @@ while IFS= read -r name; do
         make_odd $kind "run/$name"
         expect_status 2 "$seq" deck.dm2 -q -o run --overwrite
         still $kind "run/$name" || fail "$kind: run/$name was replaced"
-        [ "$(find run -type f | wc -l)" -ge $(($(wc -l <files) - 1)) ] || fail "$kind $name: files were removed before the refusal"
+        [ "$(find run -type f | wc -l)" -ge $(($(wc -l <files) - 1)) ] ||
+            fail "$kind $name: files were removed before the refusal"
         [ -z "$(find run -name '*.part')" ] || fail "$kind $name: $(find run -name '*.part')"
         case $kind$name in
         link*) ;;

@@ -1,5 +1,6 @@
-# A disc drifts twice round a periodic domain while nothing acts on the disc: its probe moves at the disc's speed through
-# the seam, the angular momentum stays, states and snapshots count the turns, a restart across the seam goes on with them.
+# A disc drifts twice round a periodic domain while nothing acts on the disc: its probe moves at the disc's
+# speed through the seam, the angular momentum stays, states and snapshots count the turns, a restart across
+# the seam goes on with them.
 # labels: e2e
 . "$DM2_SRC/tests/lib.sh"
 cat >drift.dm2 <<'DECK'
@@ -7,7 +8,8 @@ let d = 0.05 cm
 domain { size = 2 cm, 1 cm; boundary = periodic free; r_c = 2.5*d; delta_r = 0.25*d }
 time { dt = 0.01 us; steps = 1200 }
 material Cu { rho0 = 8.93 g/cm3; c0 = 3.94 km/s; s = 1.489 }
-body disc { shape = disc 1.5 cm, 0.5 cm, 0.2 cm; spacing = d; origin = 1.5 cm, 0.5 cm; material = Cu; velocity = 0.1, 0.01 }
+body disc { shape = disc 1.5 cm, 0.5 cm, 0.2 cm; spacing = d; origin = 1.5 cm, 0.5 cm; material = Cu
+    velocity = 0.1, 0.01 }
 probe whole { region = 0, 0, 2 cm, 1 cm }
 output { history_every = 100; snapshot_every = 600; format = vtp xyz }
 DECK
@@ -19,14 +21,19 @@ awk -F, 'function off(a, b) { return a > b ? a - b : b - a }
     { t = $at["time"]; x = $at["whole_x"]; l = $at["angular_momentum"] }
     NR == 2 { first = l; start = x }
     off(x, start + 0.1*t) > 1e-12 { print "t = " t ": whole_x = " x; bad = 1 }
-    off(l, first) > 1e-12*off(first, 0) { print "t = " t ": angular momentum " l ", at the start " first; bad = 1 }
-    END { exit bad || NR != 14 || off(start, 1.5) > 1e-12 }' run/history.csv >wrong || { cat wrong; fail 'history.csv'; }
+    off(l, first) > 1e-12*off(first, 0) { print "t = " t ": angular momentum " l ", at the start " first;
+        bad = 1 }
+    END { exit bad || NR != 14 || off(start,
+        1.5) > 1e-12 }' run/history.csv >wrong || { cat wrong; fail 'history.csv'; }
 
 # In a snapshot x + 2 image is the place without turns.
 head -n 2 run/snapshots/state-000001200.xyz | grep -q ':image:I:2' || fail 'the .xyz has no image'
-grep -q 'type="Int32" Name="image" NumberOfComponents="2"' run/snapshots/state-000001200.vtp || fail 'the .vtp has no image'
+grep -q 'type="Int32" Name="image" NumberOfComponents="2"' run/snapshots/state-000001200.vtp ||
+    fail 'the .vtp has no image'
 for step in 0 600 1200; do
-    awk -v step=$step 'FNR == 2 { n = split($0, part, ":"); for (k = 1; k < n; k++) if (part[k + 1] == "I" || part[k + 1] == "R" || part[k + 1] == "S") { if (part[k] == "image") at = column + 1; column += part[k + 2] } }
+    awk -v step=$step 'FNR == 2 { n = split($0, part, ":"); for (k = 1; k < n; k++) if (part[k + 1] == "I" ||
+        part[k + 1] == "R" || part[k + 1] == "S") { if (part[k] == "image") at = column + 1;
+        column += part[k + 2] } }
         FNR > 2 { sum += $2 + 2*$at; n_all++ }
         END { mean = sum/n_all; want = 1.5 + 0.001*step; exit !(mean - want < 1e-9 && want - mean < 1e-9) }' \
         run/snapshots/state-"$(printf %09d $step)".xyz || fail "unwrapped places at step $step"

@@ -1,5 +1,6 @@
-# A link that breaks makes no energy: the total of a sheet that tears, without damping, yield or strength, is off by an
-# amount that falls with the square of the step, and two elements flung apart keep their energy as their link breaks.
+# A link that breaks makes no energy: the total of a sheet that tears, without damping, yield or strength, is
+# off by an amount that falls with the square of the step, and two elements flung apart keep their energy as
+# their link breaks.
 . "$DM2_SRC/tests/lib.sh"
 
 cat >sheet.dm2 <<'DECK'
@@ -23,8 +24,10 @@ time { dt = dt; steps = round(3/dt) }
 material A { mass = 1 }
 interaction { potential = morse; k = 1; shape = 4; link_break = 1.05; kt_ratio = kt }
 interface body { linked = yes }
-body left { shape = rectangle 9.9 10 10.1 10.1; spacing = 1; origin = 10 10; material = A; velocity = -0.045 -w }
-body right { shape = rectangle 10.9 10 11.1 10.1; spacing = 1; origin = 10 10; material = A; velocity = 0.045 w }
+body left { shape = rectangle 9.9 10 10.1 10.1; spacing = 1; origin = 10 10; material = A
+    velocity = -0.045 -w }
+body right { shape = rectangle 10.9 10 11.1 10.1; spacing = 1; origin = 10 10; material = A
+    velocity = 0.045 w }
 output { history_every = 1 }
 DECK
 
@@ -49,7 +52,8 @@ last=0.008
 for dt in 0.4 0.2 0.1; do
     drift sheet.dm2 -D "dt=$dt"
     [ "$broken" = 49 ] || fail "$broken links broke, expected 49"
-    below "$off" "$(awk -v l="$last" 'BEGIN { print 0.3*l }')" "share of the total that a torn sheet makes at dt = $dt"
+    below "$off" "$(awk -v l="$last" 'BEGIN { print 0.3*l }')" \
+        "share of the total that a torn sheet makes at dt = $dt"
     last=$off
 done
 cp -r run seq
@@ -63,6 +67,7 @@ for spring in 'kt=0' 'kt=0.3'; do
     for dt in 0.02 0.01 0.005; do
         drift two.dm2 -D "dt=$dt" -D "$spring" -D w=0.01
         [ "$broken" = 1 ] || fail "the link of two elements did not break"
-        below "$off" "$(awk -v dt="$dt" 'BEGIN { print 0.4*dt*dt }')" "share that one link makes, $spring, dt = $dt"
+        below "$off" "$(awk -v dt="$dt" 'BEGIN { print 0.4*dt*dt }')" \
+            "share that one link makes, $spring, dt = $dt"
     done
 done

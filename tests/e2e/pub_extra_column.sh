@@ -9,7 +9,8 @@ domain { size = w, 1 cm; boundary = periodic free; r_c = 1.3*d; delta_r = 0.2*d 
 time { dt = 0.01; steps = 2 }
 material A { mass = 1 }
 interaction { potential = quadratic; k = 1 }
-body slab { shape = rectangle 0, 0.2 cm, w, 0.5 cm; spacing = d; lattice = square; origin = 0, 0.2 cm; material = A }
+body slab { shape = rectangle 0, 0.2 cm, w, 0.5 cm; spacing = d; lattice = square; origin = 0, 0.2 cm
+    material = A }
 output { history_every = 1 }
 D
 sed 's/periodic free/free free/' deck.dm2 >free.dm2
@@ -19,7 +20,8 @@ count()
 {
     expect_status 0 "$DM2_BIN/dm2-seq" "$1" -D "d=$2" -D "w=$3" -q --progress never --overwrite -o run
     awk -F, -v n="$4" 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i }
-                       NR == 2 { exit $at["elements"] % n != 0 || $at["elements"] / n > 400 }' run/history.csv ||
+                       NR == 2 { exit $at["elements"] % n != 0 ||
+                           $at["elements"] / n > 400 }' run/history.csv ||
         fail "$1, width $3 of spacings $2: $(sed -n 2p run/history.csv), expected $4 columns"
 }
 
@@ -35,7 +37,8 @@ for deck in deck.dm2 free.dm2; do
     count $deck 0.05 35*0.05 35
 done
 expect_status 0 "$DM2_BIN/dm2-seq" deck.dm2 -q --progress never --overwrite -o one
-sed -n 2p one/history.csv | grep -q ',150,270,' || fail "150 elements, 270 links expected: $(sed -n 2p one/history.csv)"
+sed -n 2p one/history.csv | grep -q ',150,270,' || fail \
+    "150 elements, 270 links expected: $(sed -n 2p one/history.csv)"
 
 # Grains go round a periodic side, and two bodies share a border, whatever the rounding of the two decimals.
 cat >border.dm2 <<'D'
@@ -44,9 +47,12 @@ domain { origin = 0.1, 0; size = 1.8 cm, 1 cm; boundary = periodic free; r_c = 1
 time { dt = 0.01; steps = 0 }
 material A { mass = 1 }
 interaction { potential = quadratic; k = 1 }
-body left { shape = rectangle 0.1, 0, 0.1 + 0.9, 0.5; spacing = d; lattice = square; origin = 0.1, 0; material = A }
-body right { shape = rectangle 0.1 cm + 15*d, 0, 1.9, 0.5; spacing = d; lattice = square; origin = 0.1, 0; material = A }
+body left { shape = rectangle 0.1, 0, 0.1 + 0.9, 0.5; spacing = d; lattice = square; origin = 0.1, 0
+    material = A }
+body right { shape = rectangle 0.1 cm + 15*d, 0, 1.9, 0.5; spacing = d; lattice = square; origin = 0.1, 0
+    material = A }
 D
 expect_status 0 "$DM2_BIN/dm2-seq" border.dm2 -q --progress never --overwrite -o border
 [ ! -s err ] || fail "a warning about bodies that share a border: $(cat err)"
-sed -n 2p border/history.csv | grep -q ',270,' || fail "270 elements expected: $(sed -n 2p border/history.csv)"
+sed -n 2p border/history.csv | grep -q ',270,' || fail \
+    "270 elements expected: $(sed -n 2p border/history.csv)"

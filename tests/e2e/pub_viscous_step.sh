@@ -1,5 +1,5 @@
-# A mode with damping and no stiffness limits the time step: a sheet with tangential viscosity and no shear stiffness is
-# refused above dt = 2/gamma, gamma = 24 c_t/m of the rotation, and stays at rest below.
+# A mode with damping and no stiffness limits the time step: a sheet with tangential viscosity and no shear
+# stiffness is refused above dt = 2/gamma, gamma = 24 c_t/m of the rotation, and stays at rest below.
 # labels: e2e input
 . "$DM2_SRC/tests/lib.sh"
 cat >deck.dm2 <<'END'
@@ -9,7 +9,8 @@ domain { size = 30 30; r_c = 1.6; delta_r = 0.3 }
 time { dt = dt; steps = 200 }
 material A { mass = 1 }
 interaction { potential = quadratic; k = 1; ct_ratio = c; link_break = 1.3 }
-body sheet { shape = rectangle 5 5 25 25; spacing = 1; origin = 5.1 5.1; material = A; jitter = 1e-4; seed = 4 }
+body sheet { shape = rectangle 5 5 25 25; spacing = 1; origin = 5.1 5.1; material = A; jitter = 1e-4
+    seed = 4 }
 output { history_every = 10 }
 END
 
@@ -30,7 +31,8 @@ for try in '0.3 0.19' '0.2 0.29' '0.5 0.11'; do
     set -- $try
     expect_status 0 "$DM2_BIN/dm2-seq" deck.dm2 -q -D "c=$1" -D "dt=$2" -o run --overwrite
     awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) if ($i ~ /^kinetic/) at = i }
-        NR > 1 && $at + 0 > most { most = $at + 0 } END { exit !(most > 0 && most < 1e-4) }' run/history.csv ||
+        NR > 1 && $at + 0 > most { most = $at + 0 } END { exit !(most > 0 &&
+            most < 1e-4) }' run/history.csv ||
         fail "c = $1, dt = $2: the elements spin up"
 done
 exit 0

@@ -1,5 +1,6 @@
-# A wall of elements much smaller than those that press on it is harder and more lossy than one contact with a plane;
-# `--check` says so, and names the bodies. A row of elements of their own size has the restitution of one contact.
+# A wall of elements much smaller than those that press on it is harder and more lossy than one contact with a
+# plane; `--check` says so, and names the bodies. A row of elements of their own size has the restitution of
+# one contact.
 . "$DM2_SRC/tests/lib.sh"
 
 cat >deck.dm2 <<'END'
@@ -14,8 +15,10 @@ domain { size = 2*half + 4*d, 0.4 cm; r_c = 1.25*d; delta_r = 0.1*d }
 time { dt = 1 ns; steps = 1200 }
 material Cu { rho0 = 8.93 g/cm3; c0 = 3.94 km/s; s = 0.375 }
 interaction { potential = quadratic; zeta = z; linked = no }
-body wall { shape = rectangle 0, 0, 2*half + 4*d, 0.9*fine; spacing = fine; origin = fine/2, fine/2; material = Cu; motion = fixed }
-body ball { shape = disc half, top, 0.1*fine; spacing = d; origin = half, top; material = Cu; velocity = 0, -v }
+body wall { shape = rectangle 0, 0, 2*half + 4*d, 0.9*fine; spacing = fine; origin = fine/2, fine/2
+    material = Cu; motion = fixed }
+body ball { shape = disc half, top, 0.1*fine; spacing = d; origin = half, top; material = Cu
+    velocity = 0, -v }
 probe ball { region = 0, fine, 2*half + 4*d, 0.4 cm }
 output { history_every = 1 }
 END
@@ -33,7 +36,8 @@ for q in 2.1 5 20 160; do
 done
 for q in 1 2; do
     check $q
-    ! grep -q 'smaller than half' err || fail "q = $q: a wall of elements that are not smaller than half is told"
+    ! grep -q 'smaller than half' err || fail \
+        "q = $q: a wall of elements that are not smaller than half is told"
 done
 
 # restitution: of the ball, the speed after over the speed before, at zeta = 0.3.

@@ -1,4 +1,4 @@
-# The README keeps its word: its commands run, its options exist, its links lead somewhere.
+# The README is true: its commands run, its options exist, its links lead somewhere.
 . "$DM2_SRC/tests/lib.sh"
 
 readme=$DM2_SRC/README.md
@@ -17,7 +17,7 @@ block 2 | grep -v '^make ' >commands
 grep -q '^cmp ' commands || fail "the second block is not the one about running"
 expect_status 0 sh -ex commands
 
-# The last block draws what make demo left.
+# The last block draws files of make demo.
 mkdir build
 ln -s "$PWD/demo.run" build/demo.run
 expect_status 0 bin/dm2-seq input/plate-impact.dm2 -q -o demo.run
@@ -26,7 +26,7 @@ grep -q dm2-plot commands || fail "the fourth block is not the one about drawing
 expect_status 0 sh -ex commands
 [ -s vy.svg ] && [ -s surface.svg ] || fail "dm2-plot left no pictures"
 
-# Options: everything that looks like one is known to a program.
+# Options: each word that looks like an option is known to a program.
 for program in dm2-client dm2-server dm2-seq 'dm2-plot snapshot' 'dm2-plot chart' 'dm2-model calibrate'; do
     # shellcheck disable=SC2086  # a program and its command
     bin/$program --help >>help || fail "$program --help"
@@ -53,5 +53,6 @@ grep -o -E '`[a-z0-9]+(_[a-z0-9]+)+`' "$DM2_SRC/docs/physics.md" | tr -d '`' | L
 [ "$(wc -l <names)" -gt 40 ] || fail "docs/physics.md names no functions"
 while IFS= read -r name; do
     [ -e "$DM2_SRC/tests/unit/$name.c" ] || [ -e "$DM2_SRC/tests/e2e/$name.sh" ] ||
-        grep -r -q -w -e "$name" "$DM2_SRC/src" "$DM2_SRC/include" || fail "docs/physics.md has $name, the sources do not"
+        grep -r -q -w -e "$name" "$DM2_SRC/src" "$DM2_SRC/include" ||
+            fail "docs/physics.md has $name, the sources do not"
 done <names

@@ -1,14 +1,15 @@
-# Servers that are killed, stopped or asked to end in the middle of a run: the client goes on, with one that came back, a
-# spare, or those that remain, and every byte of the results is that of the run without the fault.
+# Servers that are killed, stopped or asked to end in the middle of a run: the client goes on, with a server
+# that came back, a spare, or the remaining servers, to the bytes of the run without the fault.
 # labels: e2e bits
 # timeout: 120
 . "$DM2_SRC/tests/lib.sh"
 client=$DM2_BIN/dm2-client
-sed 's/output {/output { snapshot_every = 70;/; s/let steps = 400/let steps = 800/' "$DM2_SRC/tests/decks/good/scatter.dm2" >deck.dm2
+sed 's/output {/output { snapshot_every = 70;/; s/let steps = 400/let steps = 800/' \
+    "$DM2_SRC/tests/decks/good/scatter.dm2" >deck.dm2
 expect_status 0 "$DM2_BIN/dm2-seq" deck.dm2 -q -o whole --hash-every 1
 cp out whole.hashes
 
-# begin STEP OPTION...: starts the client and returns when it has done so many steps.
+# begin STEP OPTION...: starts the client and returns when the client has done STEP steps.
 begin()
 {
     steps=$1
@@ -61,7 +62,8 @@ two=$SERVER_ADDR two_pid=$SERVER_PID
 start_server
 three=$SERVER_ADDR three_pid=$SERVER_PID
 
-# Killed at a step before the first copy, then those that remain; then another one, and the last has it all.
+# A server is killed at a step before the first copy, the others go on; then another one, and the last has all
+# cells.
 begin 7 --reconnect 0.1 --server "$one" --server "$two" --server "$three"
 kill -KILL "$two_pid"
 until_step 90
@@ -91,13 +93,13 @@ kill -CONT "$three_pid"
 expect_text err 'no answer for 1 s'
 expect_text err "without $three"
 
-# One that ends its session and can be reached again.
+# A server that ends its session and can be reached again.
 start_server
 begin 50 --server "$one" --server "$SERVER_ADDR" --reconnect 0.1
 kill -TERM "$SERVER_PID"
 same_run 2
 
-# Nobody is left: the state in hand is a checkpoint, and that continues to the same end.
+# No server is left: the copy becomes a checkpoint, which leads to the same end.
 begin 160 --reconnect 0.1 --server "$one"
 kill -KILL "$one_pid"
 ends 3

@@ -1,5 +1,6 @@
-# Every deck of input/: from each of its checkpoints, with another number of servers each time, to the same bytes as without.
-# Here the decks are small and short; RESTARTS=whole takes them as they are, with four checkpoints each, in some minutes.
+# Every deck of input/ continues from each of its checkpoints, with another number of servers each time, to
+# the bytes of the straight run. The decks are small and short here; RESTARTS=whole takes whole decks, with
+# four checkpoints each, in some minutes.
 # labels: e2e bits
 # timeout: 7200
 . "$DM2_SRC/tests/lib.sh"
@@ -7,7 +8,7 @@ seq=$DM2_BIN/dm2-seq
 client=$DM2_BIN/dm2-client
 whole=${RESTARTS:-}
 
-# small DECK: what makes it small.
+# small DECK: the options that make the deck small.
 small()
 {
     case $1 in
@@ -40,18 +41,20 @@ leave_short()
         at=$((at + every))
     done
 }
-# A whole one is copied as it lies there while its client is stopped in the middle of whatever it does, as by a crash.
+# The directory of a whole deck is copied while its client is stopped at any point, as after a crash.
 leave_whole()
 {
     copies=0
     mkfifo hashes
     # shellcheck disable=SC2086 # the words of the options
-    "$client" "$deck" $options -q -n 2 -o run --checkpoint-every "$every" --hash-every $((every / 2)) >hashes 2>err </dev/null &
+    "$client" "$deck" $options -q -n 2 -o run --checkpoint-every "$every" --hash-every $((every / 2)) \
+        >hashes 2>err </dev/null &
     pid=$!
     exec 4<hashes
     while IFS= read -r line <&4; do
         kill -STOP $pid 2>kill.err
-        if [ -f run/checkpoint.dm2 ] && { [ $copies -eq 0 ] || ! cmp -s run/checkpoint.dm2 copy-$copies/checkpoint.dm2; }; then
+        if [ -f run/checkpoint.dm2 ] && { [ $copies -eq 0 ] ||
+            ! cmp -s run/checkpoint.dm2 copy-$copies/checkpoint.dm2; }; then
             copies=$((copies + 1))
             cp -R run copy-$copies
         fi

@@ -1,4 +1,5 @@
-# One run at a time in a run directory: the second is told which process has it; the lock ends with the process.
+# One run at a time in a run directory: the second is told which process has it; the lock ends with the
+# process.
 # labels: e2e
 . "$DM2_SRC/tests/lib.sh"
 seq=$DM2_BIN/dm2-seq
@@ -22,7 +23,8 @@ begin()
     kill -STOP $pid
 }
 begin
-for command in "$seq --overwrite -o run" "$client -n 1 --overwrite -o run" "$seq --restart run/checkpoint.dm2" "$seq -o run"; do
+for command in "$seq --overwrite -o run" "$client -n 1 --overwrite -o run" \
+    "$seq --restart run/checkpoint.dm2" "$seq -o run"; do
     # shellcheck disable=SC2086
     expect_status 2 $command -q "$deck"
     expect_text err "in use by process $pid"

@@ -1,5 +1,5 @@
-# The tests' runner itself, on a made-up tree: what passes, fails, hangs, skips, crashes, leaves processes behind or
-# was never built is each reported as such.
+# The tests' runner itself, on a made-up tree: tests that pass, fail, hang, skip, crash, leave processes
+# behind or were never built are reported as such.
 # labels: check
 . "$DM2_SRC/tests/lib.sh"
 
@@ -23,7 +23,8 @@ run()
 {
     run_want=$1
     shift
-    expect_status "$run_want" env DM2_TESTS="$PWD/tree/tests" DM2_BUILD="$PWD/build" DM2_BIN="$PWD/build/bin" \
+    expect_status "$run_want" env DM2_TESTS="$PWD/tree/tests" DM2_BUILD="$PWD/build" \
+        DM2_BIN="$PWD/build/bin" \
         FLAVOUR=release sh "$DM2_SRC/tests/run.sh" "$@"
 }
 last_line_is()
@@ -84,7 +85,7 @@ run 1 --output-on-failure
 expect_text out 'two is 3'
 rm -f build/tests/test_bad tree/tests/unit/test_bad.c
 
-# A program that was not built is a failure, and its source alone tells of it.
+# A program that was not built is a failure, which its source alone shows.
 : >tree/tests/unit/test_ghost.c
 run 1
 expect_line 'unit_ghost \.+ \*\*\*Not Run .*not built'
@@ -123,7 +124,7 @@ gone() # a process that is dead, or a zombie that nobody has collected
 gone "$(cat build/child)" || fail "the child of a test that hung still runs"
 rm tree/tests/e2e/hang.sh tree/tests/e2e/patient.sh
 
-# What a passed test leaves behind is ended, too.
+# The leftover processes of a passed test are ended, too.
 script leave <<'END'
 sh -c 'echo $$ >"$DM2_BUILD/child"; exec sleep 1000' &
 while [ ! -s "$DM2_BUILD/child" ]; do :; done
@@ -133,7 +134,7 @@ run 0 -R leave
 gone "$(cat build/child)" || fail "a process that a passed test left behind still runs"
 rm tree/tests/e2e/leave.sh
 
-# A test that reached its time limit runs once more where that is asked for, and no oftener.
+# A test that reached its time limit runs once more where the options ask for it, and only once.
 script late <<'END'
 # timeout: 1
 [ -f "$DM2_BUILD/tried" ] && exit 0
@@ -165,7 +166,8 @@ rm -rf build/test-tmp
 run 0 -N
 expect_line '^Total Tests: 4$'
 [ ! -d build/test-tmp ] || fail "-N ran something"
-for choice in '-L unit:2' '-L e2e:1' '-L check:1' '-L slow:1' '-R good|other:2' '-E unit:2' '-L unit -E good:1'; do
+for choice in '-L unit:2' '-L e2e:1' '-L check:1' '-L slow:1' '-R good|other:2' '-E unit:2' \
+    '-L unit -E good:1'; do
     # shellcheck disable=SC2086  # the options are words
     run 0 -N ${choice%:*}
     expect_line "^Total Tests: ${choice##*:}\$"
@@ -179,14 +181,15 @@ expect_text err '-j needs a value'
 run 2 -j 0
 run 2 -j some
 
-# Interrupted, it ends its tests and says so.
+# An interrupted runner ends its tests and says so.
 script forever <<'END'
 echo $$ >"$DM2_BUILD/child"
 exec sleep 1000
 END
 rm build/child
 mkfifo build/child
-DM2_TESTS=$PWD/tree/tests DM2_BUILD=$PWD/build DM2_BIN=$PWD/build/bin sh "$DM2_SRC/tests/run.sh" -R forever >out 2>&1 &
+DM2_TESTS=$PWD/tree/tests DM2_BUILD=$PWD/build DM2_BIN=$PWD/build/bin sh "$DM2_SRC/tests/run.sh" -R forever \
+    >out 2>&1 &
 runner=$!
 read -r child <build/child
 kill -TERM "$runner"

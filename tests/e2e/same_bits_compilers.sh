@@ -11,7 +11,8 @@ deck=$DM2_SRC/input/plate-impact.dm2
 expect_status 0 "$DM2_BIN/dm2-seq" "$deck" -q -o reference
 [ -s reference/final.dm2 ] && [ -s reference/history.csv ] || fail "the reference run left no results"
 
-# compare NAME COMPILER FLAGS: builds dm2-seq with them in a directory of its own and compares what it computes.
+# compare NAME COMPILER FLAGS: builds dm2-seq with them in a directory of its own and compares what it
+# computes.
 compare()
 {
     if ! command -v "$2" >/dev/null; then

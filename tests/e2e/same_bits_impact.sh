@@ -1,5 +1,5 @@
-# The plate impact has the same bytes from one process and from any number of servers, cut by space or by particles,
-# whichever way pairs are searched for.
+# The plate impact has the same bytes from one process and from any number of servers, cut by space or by
+# particles, whichever way pairs are searched for.
 # labels: e2e bits
 # timeout: 120
 . "$DM2_SRC/tests/lib.sh"
@@ -23,14 +23,14 @@ for n in 2 3 5 8 9; do
     alike $n particles "$deck" one
 done
 
-# The search methods: the text of the deck is in final.dm2, so across them the histories and the states' hashes are
-# compared.
+# The search methods: the text of the deck is in final.dm2, so across them the histories and the states'
+# hashes are compared.
 cp -r "$DM2_SRC/input/materials" . || fail "cannot copy the materials"
 expect_status 0 "$DM2_BIN/dm2-seq" "$deck" --hash-every 50 --progress never -o hashed
 grep '^step' out >hashes
 [ "$(wc -l <hashes)" -eq 5 ] || fail "--hash-every 50 printed: $(cat out)"
 for search in lists cells; do
-    sed "s/delta_r = 0.015 cm/&; search = $search/" "$deck" >$search.dm2
+    sed "s/delta_r = 0.01 cm/&; search = $search/" "$deck" >$search.dm2
     grep -q "search = $search" $search.dm2 || fail "the deck has changed: no delta_r to put the search behind"
     expect_status 0 "$DM2_BIN/dm2-seq" $search.dm2 --hash-every 50 --progress never -o $search
     grep '^step' out >$search.hashes

@@ -1,6 +1,6 @@
-# Clouds and blocks that fly through each other: hundreds of elements change servers, with links, contacts, friction,
-# springs, yield and heat, and the bytes stay the same; so they do where every side is periodic and every cut is met
-# across the seam.
+# Clouds and blocks that fly through each other: hundreds of elements change servers, with links, contacts,
+# friction, springs, yield and heat, and the bytes stay the same; so they do where every side is periodic and
+# every cut is met across the seam.
 # labels: e2e bits
 # timeout: 120
 . "$DM2_SRC/tests/lib.sh"

@@ -26,13 +26,17 @@ for deck in phase-front shear-band heat-rod; do
     done
 done
 
-# What these decks have, dm2-plot draws.
-expect_status 0 "$DM2_BIN/dm2-plot" snapshot seq-phase-front/snapshots/state-000000000.vtp -c phase -o phase.svg
-expect_status 0 "$DM2_BIN/dm2-plot" snapshot seq-shear-band/snapshots/state-000000000.vtp -c composition -o composition.svg
+# dm2-plot draws the arrays of these decks.
+expect_status 0 "$DM2_BIN/dm2-plot" snapshot seq-phase-front/snapshots/state-000000000.vtp -c phase -o \
+    phase.svg
+expect_status 0 "$DM2_BIN/dm2-plot" snapshot seq-shear-band/snapshots/state-000000000.vtp -c composition -o \
+    composition.svg
 expect_text composition.svg 'mass fraction of the product'
 expect_text phase.svg 'phase 0'
-expect_status 0 "$DM2_BIN/dm2-plot" chart seq-heat-rod/profile-rod.csv --x x --y temperature --by time -o rod.svg
-expect_status 0 "$DM2_BIN/dm2-plot" chart seq-shear-band/history.csv --x time --y thermal,chemical -o energies.svg
+expect_status 0 "$DM2_BIN/dm2-plot" chart seq-heat-rod/profile-rod.csv --x x --y temperature --by time -o \
+    rod.svg
+expect_status 0 "$DM2_BIN/dm2-plot" chart seq-shear-band/history.csv --x time --y thermal,chemical -o \
+    energies.svg
 
 # Something happened: elements changed their phase, melted, reacted.
 column()

@@ -1,4 +1,5 @@
-# Voids, flaws and regions of probes go round a periodic side, and a lattice turned onto itself keeps its sites.
+# Voids, flaws and regions of probes go round a periodic side, and a lattice turned onto itself keeps its
+# sites.
 . "$DM2_SRC/tests/lib.sh"
 
 head='let d = 0.05 cm
@@ -6,16 +7,20 @@ time { dt = 0.01 us; steps = 0 }
 material M { rho0 = 8 g/cm3; c0 = 4 km/s; s = 1.5 }'
 round="$head
 domain { size = 2 cm, 2 cm; boundary = periodic free; r_c = 2*d; delta_r = 0.2*d }
-body block { shape = rectangle 0, 0.5 cm, 40*d, 1.5 cm; lattice = square; spacing = d; origin = d/2, 0.5 cm + d/2
+body block { shape = rectangle 0, 0.5 cm, 40*d, 1.5 cm; lattice = square; spacing = d
+    origin = d/2, 0.5 cm + d/2
              material = M }"
 printf '%s\n' "$round" 'let c = 0' 'void hole { shape = disc c, 1 cm, 0.31 cm }' >void.dm2
 printf '%s\n' "$round" 'let a = 0' 'flaw crack { line = a - 0.3, 1, a + 0.3, 1 }' >flaw.dm2
 printf '%s\n' "$round" 'let a = 0' 'probe edge { region = a - 0.2, 0.5 cm, a + 0.2, 1.5 cm }' >probe.dm2
-printf '%s\n' "$round" 'let y = 1 cm' 'let e = 0.3 cm' 'flaw crack { line = 1 cm - e, y, 1 cm + e, y }' >on.dm2
+printf '%s\n' "$round" 'let y = 1 cm' 'let e = 0.3 cm' 'flaw crack { line = 1 cm - e, y, 1 cm + e, y }' \
+    >on.dm2
 printf '%s\n' "$head" 'let turn = 60 deg' 'domain { size = 3 cm, 3 cm; r_c = 2*d; delta_r = 0.2*d }' \
-    'body block { shape = rectangle 1, 1, 2, 2; spacing = d; origin = 1, 1; angle = turn; material = M }' >turned.dm2
+    'body block { shape = rectangle 1, 1, 2, 2; spacing = d; origin = 1, 1; angle = turn; material = M }' \
+        >turned.dm2
 printf '%s\n' "$head" 'let x = 1' 'domain { size = 3 cm, 3 cm; r_c = 2*d; delta_r = 0.2*d }' \
-    'body block { shape = disc x, x, 5*d; spacing = d; origin = x, x; angle = 60 deg; material = M }' >disc.dm2
+    'body block { shape = disc x, x, 5*d; spacing = d; origin = x, x; angle = 60 deg; material = M }' \
+        >disc.dm2
 
 # counts DECK NAME=VALUE: elements and links of the first row of the history.
 counts()
@@ -49,14 +54,16 @@ done
 for y in '1.025 cm' 'd/2 + 20*d' '0.5 cm + 10.5*d' '1.35 cm - 6.5*d'; do
     expect_counts on.dm2 "y=$y" '800 1548'
 done
-for e in '0.325 cm' '6.5*d' '1.3 cm/4' '0.025 cm + 6*d'; do # centres at both ends of the line: one of the two is on it
+for e in '0.325 cm' '6.5*d' '1.3 cm/4' '0.025 cm + 6*d'; do \
+    # centres at both ends of the line: one of the two is on it
     expect_counts on.dm2 "e=$e" '800 1547'
 done
 
 # A region of 8 columns of 20 elements round the seam, at one place seen from three.
 for a in 0 2 -2; do
     expect_status 0 "$DM2_BIN/dm2-seq" probe.dm2 -D "a=$a" -q --progress never --overwrite -o "probe$a"
-    expect_status 0 "$DM2_BIN/dm2-client" probe.dm2 -D "a=$a" -n 3 -q --progress never --overwrite -o "probe$a-3"
+    expect_status 0 "$DM2_BIN/dm2-client" probe.dm2 -D "a=$a" -n 3 -q --progress never --overwrite -o \
+        "probe$a-3"
     same_bytes "probe$a/final.dm2" "probe$a-3/final.dm2"
     same_bytes "probe$a/history.csv" "probe$a-3/history.csv"
 done

@@ -7,8 +7,8 @@ version=$(sed -n 's/.*PROTOCOL_VERSION = \([0-9]*\).*/\1/p' "$DM2_SRC/include/dm
 own=$(printf '\\%03o\\000' "$version") # as printf takes it
 lines=0
 
-# logged TEXT: the server's log has one line more, and it contains TEXT. The server writes it before it takes the next
-# connection, so an exchange of bytes with that one is enough to wait for.
+# logged TEXT: the server's log has one line more, which contains TEXT. The server writes the line before it
+# takes the next connection, so an exchange of bytes with the next connection is enough to wait for.
 logged()
 {
     lines=$((lines + 1))
@@ -41,18 +41,18 @@ printf 'DM2\032'"$own"'\007\000\000\000\000\000\000\000\000\000' | "$tcp" send "
 logged 'its checksum differs'
 expect_text "$SERVER_LOG" "127.0.0.1:"
 
-# After all that it still computes.
+# The server still computes.
 expect_status 0 "$DM2_BIN/dm2-client" "$deck" -q --server "$SERVER_ADDR" -o run --steps 5
 expect_status 0 "$DM2_BIN/dm2-seq" "$deck" -q -o seq --steps 5
 same_bytes seq/final.dm2 run/final.dm2
 
-# What a client calls its deck does nothing to the terminal that shows the log.
+# The name of a deck does nothing to the terminal that shows the log.
 odd=$(printf 'odd\033[1m\177.dm2')
 cp "$deck" "$odd"
 expect_status 0 "$DM2_BIN/dm2-client" "$odd" -q --server "$SERVER_ADDR" -o odd --steps 3 --send-deck
 expect_text "$SERVER_LOG" 'done: odd?[1m?.dm2, rank 0 of 1'
 
-# A server ends when it is asked to, also while a client that says nothing holds it.
+# A server ends on TERM, also while a silent client holds its session.
 stop_server "$SERVER_PID"
 [ "$SERVER_STATUS" -eq 0 ] || fail "a server that was asked to end exits with $SERVER_STATUS"
 start_server

@@ -13,7 +13,7 @@ mkdir home
 DM2_SSH=$PWD/ssh DM2_SERVER=$DM2_BIN/dm2-server
 export DM2_SSH DM2_SERVER
 
-# Two free ports: those of servers that have just ended.
+# Two free ports: the ports of servers that have just ended.
 start_server
 first=$SERVER_PORT
 start_server
@@ -26,7 +26,8 @@ expect_status 1 sh "$script" status hosts
 [ "$(grep -c 'does not run' out)" -eq 2 ] || fail "the status before"
 expect_status 0 sh "$script" start hosts --timeout 5
 expect_text out "localhost:$first: dm2-server: listening on 127.0.0.1:$first, process "
-[ "$(cat hosts-called | sort -u | tr '\n' ' ')" = '127.0.0.1 localhost ' ] || fail "called: $(cat hosts-called)"
+[ "$(cat hosts-called | sort -u | tr '\n' ' ')" = '127.0.0.1 localhost ' ] ||
+    fail "called: $(cat hosts-called)"
 expect_status 0 sh "$script" start hosts
 [ "$(grep -c 'runs already' out)" -eq 2 ] || fail "started twice"
 expect_status 0 "$DM2_BIN/dm2-client" "$deck" -q --hosts hosts -o run --steps 3
@@ -35,20 +36,21 @@ expect_text out ' done: '
 expect_status 0 sh "$script" stop hosts
 [ "$(grep -c 'ended process' out)" -eq 2 ] || fail "not stopped"
 
-# With a key, which lies where the servers run; options may hold blanks and quotes.
+# With a key in the directory where the servers run; options may hold blanks and quotes.
 mkdir "home/.dm2/it's here"
 expect_status 0 "$DM2_SERVER" --new-key "home/.dm2/it's here/key"
 expect_status 0 sh "$script" start hosts --key "it's here/key" --allow 127.0.0.0/8
 expect_status 0 "$DM2_BIN/dm2-client" --status --hosts hosts --key "home/.dm2/it's here/key"
 [ "$(grep -c ': free; ' out)" -eq 2 ] || fail "the servers are not free: $(cat out)"
 expect_status 3 "$DM2_BIN/dm2-client" --status --hosts hosts
-expect_status 0 "$DM2_BIN/dm2-client" "$deck" -q --hosts hosts --key "home/.dm2/it's here/key" -o keyed --steps 3
+expect_status 0 "$DM2_BIN/dm2-client" "$deck" -q --hosts hosts --key "home/.dm2/it's here/key" -o keyed \
+    --steps 3
 same_bytes run/final.dm2 keyed/final.dm2
 expect_status 3 "$DM2_BIN/dm2-client" "$deck" -q --hosts hosts -o strange --steps 3
 expect_status 0 sh "$script" stop hosts
 [ "$(grep -c 'ended process' out)" -eq 2 ] || fail "not stopped"
 
-# A port that is taken, and files that are wrong: nothing is done before the whole file is read.
+# A taken port, and wrong files: no server is started before the whole file is read.
 start_server
 printf '127.0.0.1:%s\n' "$SERVER_PORT" >taken
 expect_status 1 sh "$script" start taken

@@ -1,10 +1,12 @@
-# One server, a hundred sessions in a row, good and bad ones: it keeps no descriptor and no memory.
+# A server keeps no descriptor and no memory over a hundred sessions in a row, good and bad.
 . "$DM2_SRC/tests/lib.sh"
 
-[ -r /proc/self/status ] && [ -d /proc/self/fd ] || skip "this system has no /proc to read descriptors and memory from"
+[ -r /proc/self/status ] && [ -d /proc/self/fd ] || skip \
+    "this system has no /proc to read descriptors and memory from"
 deck=$DM2_SRC/tests/decks/run/scatter.dm2
 
-descriptors() # Linux shows those of a process that leaves no core to root alone; test_strangers counts them for everybody
+# Linux shows the descriptors of a process without a core to root alone; test_strangers counts them for all.
+descriptors()
 {
     if [ -r "/proc/$SERVER_PID/fd" ]; then ls "/proc/$SERVER_PID/fd" | wc -l; else echo unknown; fi
 }

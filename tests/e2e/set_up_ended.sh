@@ -1,4 +1,5 @@
-# A set-up that takes long ends soon after a signal to the client or to the server, and after the client's end.
+# A set-up that takes long ends soon after a signal to the client or to the server, and after the client's
+# end.
 # labels: e2e
 . "$DM2_SRC/tests/lib.sh"
 

@@ -1,5 +1,5 @@
-# The second signal: a run that was asked to end and has not yet ended is gone at once. What it leaves has no final name, and
-# its last checkpoint leads to the end of the straight run.
+# The second signal ends a run at once. No file of the run has a final name, and the last checkpoint leads to
+# the end of the straight run.
 # labels: e2e bits
 . "$DM2_SRC/tests/lib.sh"
 seq=$DM2_BIN/dm2-seq
@@ -12,7 +12,7 @@ begin()
 {
     rm -rf run hashes
     mkfifo hashes
-    # INT is ignored by what a script starts in the background, and then by dm2
+    # a background process of a script ignores INT, and so would dm2
     "$DM2_BUILD/tools/foreground" "$@" "$deck" -o run --checkpoint-every 20 --hash-every 1 >hashes 2>err &
     pid=$!
     exec 4<hashes
@@ -39,7 +39,7 @@ same_run()
     same_bytes whole/history.csv run/history.csv
 }
 
-# Both are there when it comes to look at them.
+# Both signals have come when the run looks at them.
 begin "$seq"
 kill -STOP "$pid"
 kill -TERM "$pid"
@@ -49,7 +49,7 @@ ends
 expect_status 0 "$seq" "$deck" -q --restart run/checkpoint.dm2
 same_run
 
-# A client that waits for a server, which will not come, to end the step.
+# A client that waits for the STEP of a stopped server.
 start_server
 one=$SERVER_ADDR
 start_server

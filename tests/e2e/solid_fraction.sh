@@ -34,7 +34,8 @@ expect_fraction()
     want=$1 tolerance=$2
     shift 2
     fraction "$@"
-    awk -v want="$want" -v most="$tolerance" '{ exit !($1 > want * (1 - most) && $1 < want * (1 + most)) }' fraction ||
+    awk -v want="$want" -v most="$tolerance" '{ exit !($1 > want * (1 - most) && $1 < want * (1 + most)) }' \
+        fraction ||
         fail "the solid fraction is $(cat fraction), expected $want, of: $*"
 }
 

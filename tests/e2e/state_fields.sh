@@ -1,5 +1,5 @@
-# A checkpoint with a sound checksum, in which one number of an element or a pair cannot come of this deck: refused when it
-# is read, with the file, the element, the field, what was found and what is expected.
+# A checkpoint with a sound checksum, in which one number of an element or a pair cannot come of this deck:
+# refused when it is read, with the file, the element, the field, what was found and what is expected.
 # labels: e2e
 . "$DM2_SRC/tests/lib.sh"
 seq=$DM2_BIN/dm2-seq
@@ -14,8 +14,10 @@ material B { rho0 = 5 g/cm3; c0 = 4 km/s; s = 1.5; cp = 500 J/kg/K }
 material C { rho0 = 5 g/cm3; c0 = 4 km/s; s = 1.5; cp = 500 J/kg/K }
 material X { rho0 = 5 g/cm3; c0 = 4 km/s; s = 1.5; cp = 500 J/kg/K }
 reaction burn { reactants = A B; product = C; kind = non-stoichiometric; k0 = 1; ea = 0; heat = 1 kJ/g }
-body a { shape = rectangle 0.2 cm, 0.2 cm, 0.4 cm, 0.4 cm; lattice = square; spacing = 0.99*d; radius = d/2; origin = 0.22 cm, 0.22 cm; material = A }
-body b { shape = rectangle 0.4 cm, 0.2 cm, 0.6 cm, 0.4 cm; lattice = square; spacing = 0.99*d; radius = d/2; origin = 0.22 cm, 0.22 cm; material = B }
+body a { shape = rectangle 0.2 cm, 0.2 cm, 0.4 cm, 0.4 cm; lattice = square; spacing = 0.99*d; radius = d/2
+    origin = 0.22 cm, 0.22 cm; material = A }
+body b { shape = rectangle 0.4 cm, 0.2 cm, 0.6 cm, 0.4 cm; lattice = square; spacing = 0.99*d; radius = d/2
+    origin = 0.22 cm, 0.22 cm; material = B }
 probe p { region = 0, 0, 0.4 cm, 1 cm }
 DECK
 expect_status 0 "$seq" react.dm2 --checkpoint-every 10 -q -o run

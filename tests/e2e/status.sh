@@ -1,4 +1,4 @@
-# dm2-client --status: what each server does, also while it is busy; with a key only for those who have it.
+# dm2-client --status: the state of each server, also of a busy one; with a key only for clients with the key.
 . "$DM2_SRC/tests/lib.sh"
 
 client=$DM2_BIN/dm2-client
@@ -6,13 +6,13 @@ tcp=$DM2_BUILD/tools/tcp
 deck=$DM2_SRC/tests/decks/run/scatter.dm2
 load='dm2 [0-9.]*; load [a-z0-9.]* on [0-9]* cores*$'
 
-# line N REGEX: the Nth line of what the status says.
+# line N REGEX: the Nth line of the status.
 line()
 {
     sed -n "$1p" out | grep -q "$2" || fail "line $1 is not '$2': $(cat out)"
 }
 
-# A free one, and one that is not there: the port of one that has ended might be given to the next.
+# A free server, and an absent one: the port of an ended server might be given to the next.
 gone=127.0.0.1:1
 start_server -v
 one=$SERVER_ADDR one_port=$SERVER_PORT one_log=$SERVER_LOG
@@ -24,7 +24,7 @@ expect_text err '1 of 2 servers cannot be used'
 expect_status 0 "$client" --status --server "$one"
 expect_text "$one_log" ' asked for the status'
 
-# One that somebody holds, and for whom another waits.
+# A server in session, for which another client waits.
 mkfifo hold held notes
 "$tcp" hold "$one_port" <hold >held &
 holder=$!
@@ -41,8 +41,8 @@ exec 3>&-
 wait "$holder"
 wait "$waiting" || fail 'the waiting client failed'
 
-# One in the middle of a run: nobody reads what its client prints, which fills the pipe. The deck's name is a line of text,
-# whatever it is, and does nothing to a terminal.
+# A server in the middle of a run, whose client's output fills the pipe. The deck's name is one line of text
+# and does nothing to a terminal.
 mkfifo hashes
 odd=$(printf 'odd\033]0;\n\302\233.dm2')
 cp "$deck" "$odd"
@@ -57,7 +57,7 @@ kill -TERM "$running"
 exec 4<&-
 wait "$running"
 
-# Who says nothing does not hold a server, nor does who says half a word.
+# A silent connection does not hold a server, nor does one that sends half a message.
 "$tcp" silent "$one_port" <hold >held &
 silent=$!
 exec 3>hold
@@ -66,7 +66,7 @@ expect_status 0 "$client" "$deck" -q --server "$one" --steps 3 -o run --overwrit
 exec 3>&-
 wait "$silent"
 
-# With a key, for friends only.
+# With a key, for clients with the key only.
 "$DM2_BIN/dm2-server" --new-key key
 "$DM2_BIN/dm2-server" --new-key other
 start_server --key key

@@ -1,5 +1,6 @@
-# A checkpoint with a sound checksum, in which a number of an element cannot be, or does not fit the deck: both programs
-# refuse it before the first step, and name the file, the element, what was found and what is expected.
+# A checkpoint with a sound checksum but an impossible number, or a number that does not fit the deck: both
+# programs refuse the checkpoint before the first step, and name the file, the element, the number found and
+# the number expected.
 # labels: e2e
 . "$DM2_SRC/tests/lib.sh"
 seq=$DM2_BIN/dm2-seq
@@ -10,7 +11,7 @@ deck=$DM2_SRC/input/plate-impact.dm2 # 4 probes, 2 kinds, no reaction
 expect_status 0 "$seq" "$deck" --steps 8 --checkpoint-every 3 -q -o run
 [ -f run/checkpoint.prev.dm2 ] || fail 'there is one checkpoint only'
 
-# What the tool writes is a state file as the programs write it.
+# The tool writes a state file as the programs do.
 expect_status 0 "$patch" run/checkpoint.prev.dm2 same.dm2 17 share 0
 same_bytes run/checkpoint.prev.dm2 same.dm2
 
@@ -37,11 +38,13 @@ refused mass 0 'has a radius or a mass that is not positive'
 refused heat nan 'has a number that is not finite'
 refused flags 2 'has a flag that this program does not know'
 
-# Where the last checkpoint is refused, the one before it is offered, and continues to the bytes of the whole run.
+# Where the last checkpoint is refused, the checkpoint before it is offered, and leads to the bytes of the
+# whole run.
 cp -R run broken
 rm broken/final.dm2
 expect_status 0 "$patch" run/checkpoint.dm2 broken/checkpoint.dm2 3 share 7
 expect_status 3 "$seq" "$deck" --steps 8 -q --restart broken/checkpoint.dm2
-expect_text err 'broken/checkpoint.dm2: element 3 has share 7, 0 to 1 is expected; the one before it can be used, of step'
+expect_text err 'broken/checkpoint.dm2: element 3 has share 7, 0 to 1 is expected;
+    the one before it can be used, of step'
 expect_status 0 "$seq" "$deck" --steps 8 -q --restart broken/checkpoint.prev.dm2
 same_bytes run/final.dm2 broken/final.dm2

@@ -20,15 +20,17 @@ expect_status 0 checked/dm2-seq "$deck" -q -D scale=0.5 --steps 12 -o seq
 start_server
 first=$SERVER_PID first_addr=$SERVER_ADDR first_log=$SERVER_LOG
 start_server
-expect_status 0 checked/dm2-client "$deck" -q -D scale=0.5 --steps 12 -o dist --server "$first_addr" --server "$SERVER_ADDR"
+expect_status 0 checked/dm2-client "$deck" -q -D scale=0.5 --steps 12 -o dist --server "$first_addr" \
+    --server "$SERVER_ADDR"
 same_bytes seq/final.dm2 dist/final.dm2
 
 for pair in "$first:$first_log" "$SERVER_PID:$SERVER_LOG"; do
     stop_server "${pair%%:*}"
-    [ "$SERVER_STATUS" -eq 0 ] || { cat "${pair#*:}"; fail "a server under valgrind exits with $SERVER_STATUS"; }
+    [ "$SERVER_STATUS" -eq 0 ] || { cat "${pair#*:}"; fail \
+        "a server under valgrind exits with $SERVER_STATUS"; }
 done
 
-# A deck that does not read, and a server that is not there: what was taken up to then is given back.
+# A deck that does not read, and an absent server: all memory is freed.
 printf 'domain { size = 1 cm\n' >bad.dm2
 expect_status 2 checked/dm2-seq bad.dm2
 expect_status 3 checked/dm2-client "$deck" -q --server "$first_addr" -o absent
