@@ -7,6 +7,8 @@
 
 void *mem_zalloc(size_t count, size_t size)
 {
+    if (size != 0 && count > SIZE_MAX / size)
+        return NULL; /* calloc's own check ends a sanitized program */
     return calloc(count > 0 ? count : 1, size > 0 ? size : 1);
 }
 
