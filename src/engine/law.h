@@ -306,13 +306,14 @@ DM2_INLINE double law_moving_mass(const struct pair_view *p)
 
 /* The factor of a contact's damping force in the evaluation that is the first to see the contact: the part of
  * the kick's time, half a step before and half a step behind the evaluation, in which the two elements touch.
- * The path since the last evaluation is `dt_path` long, us; else 1. */
+ * Neighbours of an unstrained lattice, at r0 but for a rounding, have touched before. The path since the last
+ * evaluation is `dt_path` long, us; else 1. */
 DM2_INLINE double law_touched_part(const struct bond *bond, const struct pair_view *p, double dt_path)
 {
-    double approach = -p->vn * dt_path, depth = bond->r0 - p->r;
+    double approach = -p->vn * dt_path, depth = bond->touch - p->r;
     if (!(approach > 0.0) || !(depth < approach))
         return 1.0;
-    return 0.5 + (depth > 0.0 ? depth / approach : 0.0);
+    return 0.5 + depth / approach;
 }
 
 /* Central damping, fdn, and the sum fn = f + fdn; an unlinked contact never pulls. Returns c_t, which has the

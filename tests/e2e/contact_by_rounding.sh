@@ -72,6 +72,29 @@ body all {
 output { history_every = 100 }
 DECK
 
+# Two unlinked lattices, damped, that run into each other from contact distance.
+cat >pressed.dm2 <<'DECK'
+let d = 0.05 cm
+let row = d*sqrt(3)/2
+let x0 = 0.01 cm
+let stretch = 0
+domain { size = 1.5 cm, 1 cm; r_c = 2*d; delta_r = 0.2*d }
+time { dt = 0.005 us; steps = 60 }
+material M { rho0 = 8 g/cm3; c0 = 4 km/s; s = 1.4 }
+interaction { linked = no; mu = 0.2; zeta = 0.1 }
+body left {
+    shape = rectangle x0, x0, x0 + 10*d, x0 + 10*row
+    spacing = d*(1 + stretch); radius = d/2; origin = x0 + d/3, x0 + row/3
+    material = M; velocity = 0.01, 0
+}
+body right {
+    shape = rectangle x0 + 10*d, x0, x0 + 20*d, x0 + 10*row
+    spacing = d*(1 + stretch); radius = d/2; origin = x0 + d/3, x0 + row/3
+    material = M; velocity = -0.01, 0
+}
+output { history_every = 60 }
+DECK
+
 # run DECK OPTION...: a run in `run`.
 run()
 {
@@ -135,6 +158,19 @@ for n in 0 1 7 1000; do
     kinetic=$(awk -v e="$(cell kinetic 2)" 'BEGIN { printf "%.9e", e }')
     [ -n "${first_kinetic:-}" ] || first_kinetic=$kinetic
     equals "$kinetic" "$first_kinetic" "kinetic energy, moved by $n periods"
+done
+
+# Damping sees no rounding, either: who stood at the contact distance did touch before.
+for x in $places; do
+    run pressed.dm2 -D "x0=$x cm"
+    kinetic=$(awk -v e="$(cell kinetic 2)" 'BEGIN { printf "%.9e", e }')
+    [ -n "${pressed_kinetic:-}" ] || pressed_kinetic=$kinetic
+    equals "$kinetic" "$pressed_kinetic" "kinetic energy of lattices that collide at x0 = $x"
+done
+for stretch in 1e-9 -1e-9; do
+    run pressed.dm2 -D "stretch=$stretch"
+    ratio=$(awk -v e="$(cell kinetic 2)" -v want="$pressed_kinetic" 'BEGIN { printf "%.6f", e/want }')
+    equals "$ratio" 1.000000 "kinetic energy of colliding lattices, relative, stretched by $stretch"
 done
 
 # The same bytes from every number of servers.

@@ -108,4 +108,30 @@ TEST(restitution_against_something_held)
     }
 }
 
-TEST_MAIN(CASE(restitution_over_the_moments_of_touching), CASE(restitution_against_something_held))
+/* Two neighbours of an unstrained lattice touch before they approach each other, whether a rounding put them
+ * inside of the contact distance or beyond it: nothing is left out of their first force, nothing is added. */
+TEST(neighbours_at_the_contact_distance_have_touched_before)
+{
+    static const double beyond[] = {-1e-9, -1e-15, 0.0, 1e-15, 1e-9};
+    const struct pair_law law = contact_law(0.3, 0.0);
+    double dt = 0.4 * stable_step(0.3), v = -1e-4, c = law.cn * sqrt(0.5 * mass);
+    for (int i = 0; i < 5; i++) {
+        double r = r0 * (1.0 + beyond[i]) + v * dt;
+        struct pair_view view = {.r = r,
+                                 .over_r = 1.0 / r,
+                                 .radius_i = 0.5 * r0,
+                                 .radius_j = 0.5 * r0,
+                                 .vn = v,
+                                 .mass_i = mass,
+                                 .mass_j = mass,
+                                 .soft_i = 1.0,
+                                 .soft_j = 1.0};
+        struct pair_state state = {.linked = false};
+        struct pair_effect effect;
+        pair_interact(&law, &view, dt, dt, &state, &effect);
+        CHECK_NEAR_REL(effect.fdn, -c * v / (1.0 + 0.25 * c * dt / (0.5 * mass)), 1e-12);
+    }
+}
+
+TEST_MAIN(CASE(restitution_over_the_moments_of_touching), CASE(restitution_against_something_held),
+          CASE(neighbours_at_the_contact_distance_have_touched_before))
