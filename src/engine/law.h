@@ -103,6 +103,13 @@ static inline double law_lesser(double a, double b)
     return a < b ? a : b;
 }
 
+/* The weaker of the strengths of two sides. A side without limit has none when it is molten, either: infinity
+ * times the softening factor 0 is not a number, and then the other side decides, on whichever side it is. */
+static inline double law_weaker(double a, double b)
+{
+    return a < b || b != b ? a : b;
+}
+
 /* --- touching --- */
 
 /* The distance up to which two elements of contact distance r0 touch, cm. The tolerance of 2^-26 r0 takes in
@@ -274,7 +281,7 @@ DM2_INLINE double law_central(const struct pair_law *law, const struct bond *bon
     if (!s->linked && r >= bond->r0)
         return 0.0;
     f = bond_force(law, bond, x, &energy);
-    double cap = law_lesser(law->tensile_i * p->soft_i, law->tensile_j * p->soft_j) * bond->area;
+    double cap = law_weaker(law->tensile_i * p->soft_i, law->tensile_j * p->soft_j) * bond->area;
     if (s->linked && cap < INFINITY) {
         double before = s->stretch;
         if (law_pulls_too_hard(law, bond, x, f, cap)) {
@@ -355,7 +362,7 @@ DM2_INLINE void law_tangential(const struct pair_law *law, const struct bond *bo
 {
     double vt = law_sliding(bond, p, out);
     double kt = s->linked ? law->kt_link : law->kt_contact;
-    double cap = s->linked ? law_lesser(law->yield_i * p->soft_i, law->yield_j * p->soft_j) * bond->area
+    double cap = s->linked ? law_weaker(law->yield_i * p->soft_i, law->yield_j * p->soft_j) * bond->area
                            : law->mu * out->fn;
     double spring = s->spring + vt * dt_path;
     if (kt * fabs(spring) > cap) {

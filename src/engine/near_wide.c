@@ -25,8 +25,8 @@ struct lanes {
 #define OF_I(array)   ((simd_real){(array)[q->i[0]], (array)[q->i[1]], (array)[q->i[2]], (array)[q->i[3]]})
 #define OF_J(array)   ((simd_real){(array)[q->j[0]], (array)[q->j[1]], (array)[q->j[2]], (array)[q->j[3]]})
 #define OF_K(array)   ((simd_real){(array)[q->k[0]], (array)[q->k[1]], (array)[q->k[2]], (array)[q->k[3]]})
-#define LESSER(a, b)  SIMD_CHOOSE((a) < (b), a, b)
-#define KEPT(x, left) ((simd_real)((simd_int)(x) & ~(left))) /* 0 in the lanes left */
+#define WEAKER(a, b)  SIMD_CHOOSE(((a) < (b)) | ((b) != (b)), a, b) /* law_weaker */
+#define KEPT(x, left) ((simd_real)((simd_int)(x) & ~(left)))        /* 0 in the lanes left */
 
 /* Transposes four rows of four integers: component c of row q becomes component q of row c. */
 DM2_INLINE void transpose(const simd_int in[4], simd_int out[4])
@@ -252,8 +252,8 @@ DM2_INLINE void strength_lanes(const struct pair_law *law, const struct particle
     simd_real soft_i = OF_I(p->soft), soft_j = OF_J(p->soft);
     simd_real pull_i = law->tensile_i * soft_i, pull_j = law->tensile_j * soft_j;
     simd_real slip_i = law->yield_i * soft_i, slip_j = law->yield_j * soft_j;
-    *tension = LESSER(pull_i, pull_j) * law->bond.area;
-    *shear = LESSER(slip_i, slip_j) * law->bond.area;
+    *tension = WEAKER(pull_i, pull_j) * law->bond.area;
+    *shear = WEAKER(slip_i, slip_j) * law->bond.area;
 }
 
 /* The lanes whose pairs take the plain path: unlinked, breaking, beyond the strongest attraction, closing a
