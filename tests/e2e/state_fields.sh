@@ -31,6 +31,13 @@ rm again/final.dm2
 expect_status 0 "$patch" same.dm2 again/same.dm2 3 was 2
 expect_status 0 "$seq" react.dm2 -q --restart again/same.dm2
 
+# So is an element below 0 K, as an unstable run makes them: not the reader refuses the run, but its energy book.
+cp -R run cold
+rm cold/final.dm2
+expect_status 0 "$patch" $good cold/cold.dm2 3 heat -1e-4
+expect_status 1 "$seq" react.dm2 -q --restart cold/cold.dm2
+expect_text err 'the energy book is off by'
+
 # refused ID FIELD VALUE TEXT
 refused()
 {
@@ -67,8 +74,8 @@ refused 0 r -0.3 'element 0 has r -0.29999999999999999 cm in x, 0 <= r < 1 is ex
 refused 0 r 1 'element 0 has r 1 cm in x, 0 <= r < 1 is expected'
 refused 0 v 1e4 'element 0 has v (10000, '
 refused 0 w 1e300 'element 0 has w 1e+300, beyond the energies that a run can hold'
-refused 0 heat -1e9 'element 0 has heat -1e+09 g cm2/us2, a temperature of '
-refused 0 heat 1e300 'element 0 has heat 1e+300 g cm2/us2, a temperature of '
+refused 0 heat -1e20 'element 0 has heat -1e+20, beyond the energies that a run can hold'
+refused 0 heat 1e300 'element 0 has heat 1e+300, beyond the energies that a run can hold'
 refused 0 p nan 'element 0 has a number that is not finite: p nan'
 refused 0 p 1e300 'element 0 has p 1e+300, beyond the energies that a run can hold'
 refused 0 moved 1e300 'element 0 has moved 1e+300, beyond the energies that a run can hold'
@@ -76,7 +83,7 @@ refused 0 image 1073741825 'element 0 has image 1073741825 in x, at most 2^30 ei
 refused 0 bonds 65535 'element 0 has bonds 65535, at most '
 refused 0 stretch 5 'the pair (0, 1) has stretch 5 cm, below r_c = 0.1 cm either way is expected'
 refused 0 stretch -1e300 'the pair (0, 1) has stretch -1e+300 cm'
-refused 0 spring 1e300 'the pair (0, 1) has spring 1e+300 cm'
+refused 0 spring 1e300 'the pair (0, 1) has spring 1e+300 cm, below 2^30 r_c = '
 refused 49 r 0.65 'the pair (' # 0.04 cm from its place: the links of this element would be too long
 expect_text err 'is expected where they touch or are linked'
 expect_status 3 "$client" react.dm2 -n 2 -q --progress never --restart bad.dm2

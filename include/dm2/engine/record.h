@@ -29,7 +29,7 @@ enum field_rule {
     RULE_PLACE,    /* deck: in the half-open domain along a periodic direction */
     RULE_SPEED,    /* deck: less than a cell edge per step */
     RULE_SPIN,     /* deck: its energy is one that the sums can hold */
-    RULE_HEAT,     /* deck: likewise, with a temperature from -1000 to 1e12 K */
+    RULE_HEAT,     /* deck: likewise; below 0 K, too, where a run becomes unstable */
     RULE_PRESSURE, /* deck: likewise, times the volume at rest */
     RULE_FRACTION, /* 0 to 1, the sum at most 1; deck: 0 of a reactant that the element did not start with */
     RULE_ENERGY,   /* deck: one that the sums can hold */
@@ -91,8 +91,8 @@ void record_describe_fault(const struct element_field *fault, const struct eleme
                            const struct record_limits *limits, char text[RECORD_FAULT_TEXT]);
 
 /* Is the pair valid by itself: ids in order and below limits->elements, linked 0 or 1, stretch and spring
- * finite and, by the deck, below r_c? Where not, and text is not NULL, *text is the end of a sentence that
- * begins with the pair. */
+ * finite and, by the deck, below r_c, the spring below 2^30 r_c? Where not, and text is not NULL, *text is
+ * the end of a sentence that begins with the pair. */
 bool record_pair_valid(const struct pair_record *p, const struct record_limits *limits,
                        char text[RECORD_FAULT_TEXT]);
 
