@@ -218,15 +218,16 @@ static void check_strength(const struct pair_check *p, struct law_state a, struc
     double tensile = given ? p->law.tensile : weaker.constants->tensile;
     double shape =
         isnan(p->law.shape) ? lattice_shape(a.constants, b.constants, p->law.calibration) : p->law.shape;
-    double strength = lattice_strength(p->law.potential, find_stiffness(p, a.constants, b.constants), shape);
+    double strength = lattice_strength_to(p->law.potential, find_stiffness(p, a.constants, b.constants),
+                                          shape, p->law.link_break);
     struct number_text want;
     if (!(strength > 0.0) || !(tensile >= strength))
         return;
     findings_warn(p->b->findings,
                   given ? pair_check_place(p, "tensile") : binding_place(p->b, weaker.block, "tensile", 0),
                   "'tensile' = %s Mbar is not below %.4g Mbar, the strongest pull of the potential between "
-                  "'%s' and '%s': their bonds do not flow, they only break at link_break",
-                  number_text(tensile, &want), strength, a.name, b.name);
+                  "'%s' and '%s' up to link_break = %.4g: their bonds do not flow, they only break there",
+                  number_text(tensile, &want), strength, a.name, b.name, p->law.link_break);
 }
 
 /* Checks those phases of a material that give a constant which decides. */

@@ -4,6 +4,8 @@
 
 #include <math.h>
 
+#include "dm2/base/real.h"
+
 static const double root3 = 0x1.bb67ae8584caap0;
 static const double cube_root2 = 0x1.428a2f98d728bp0; /* 2^(1/3) */
 
@@ -62,4 +64,22 @@ double lattice_strength(enum potential_kind potential, double kn, double shape)
     if (potential == POTENTIAL_QUADRATIC)
         return INFINITY;
     return root3 * (potential == POTENTIAL_MORSE ? kn / (4.0 * shape) : kn * q7_over_13);
+}
+
+/* The bond's pull over r0 is (k/a)(E - E^2) with E = exp(-a (s - 1)) for Morse, k (q^7 - q^13)/6 with q = 1/s
+ * for Lennard-Jones, k (s - 1) for the quadratic potential. */
+double lattice_strength_to(enum potential_kind potential, double kn, double shape, double stretch)
+{
+    double most = lattice_strength(potential, kn, shape), pull = stretch - 1.0;
+    bool peaked = false;
+    if (potential == POTENTIAL_MORSE) {
+        double e = real_exp(-shape * (stretch - 1.0));
+        peaked = e <= 0.5;
+        pull = (e - e * e) / shape;
+    } else if (potential == POTENTIAL_LENNARD_JONES) {
+        double q = 1.0 / stretch, q6 = q * q * q * q * q * q;
+        peaked = q6 <= 7.0 / 13.0;
+        pull = q * (q6 - q6 * q6) / 6.0;
+    }
+    return peaked ? most : root3 * kn * pull;
 }

@@ -1,5 +1,5 @@
-# Bonds of a material that melts but has no strength to lose, with a material that has one: who of a pair comes first
-# in the lists decides nothing, so that searches and servers give the same bytes.
+# Bonds of a material that melts but has no strength to lose, with a material that has one: who of a pair
+# comes first in the lists decides nothing, so that searches and servers give the same bytes.
 # labels: e2e
 . "$DM2_SRC/tests/lib.sh"
 seq=$DM2_BIN/dm2-seq

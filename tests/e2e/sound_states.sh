@@ -1,12 +1,12 @@
-# A spring that has grown to many times r_c is taken by every reader: a restart and two servers go on to the same
-# bytes.
+# A spring that has grown to many times r_c is taken by every reader: a restart and two servers go on to the
+# same bytes.
 # labels: e2e
 . "$DM2_SRC/tests/lib.sh"
 seq=$DM2_BIN/dm2-seq
 client=$DM2_BIN/dm2-client
 
-# A wheel on a belt spins against a fixed stop. The friction of their contact never slips, so that its spring grows
-# with each turn, to many times r_c.
+# A wheel on a belt spins against a fixed stop. The friction of their contact never slips, so that its spring
+# grows with each turn, to many times r_c.
 cat >wheel.dm2 <<'DECK'
 let d = 0.04 cm
 domain { size = 20*d, 10*d; boundary = periodic free; r_c = 1.5*d; delta_r = 0.25*d; gravity = 0.003, -0.01 }

@@ -31,7 +31,8 @@ rm again/final.dm2
 expect_status 0 "$patch" same.dm2 again/same.dm2 3 was 2
 expect_status 0 "$seq" react.dm2 -q --restart again/same.dm2
 
-# So is an element below 0 K, as an unstable run makes them: not the reader refuses the run, but its energy book.
+# So is an element below 0 K, as an unstable run makes them: not the reader refuses the run, but its energy
+# book.
 cp -R run cold
 rm cold/final.dm2
 expect_status 0 "$patch" $good cold/cold.dm2 3 heat -1e-4

@@ -79,6 +79,11 @@ TEST(bonds_know_their_peak)
         CHECK_NEAR_REL(bond.forms, 0.036, 1e-15);
         CHECK_NEAR_REL(bond.breaks, 1.3 * law_touch_length(r0), 1e-15);
         CHECK(bond.peak > r0);
+        for (double stretch = 1.01; stretch < 1.6; stretch += 0.07) { /* before the peak and behind it */
+            double at = stretch * r0 < bond.peak ? stretch * r0 : bond.peak;
+            CHECK_NEAR_REL(lattice_strength_to(law.potential, law.k, law.shape, stretch) * bond.area,
+                           -potential_force(&law, at, r0, &u), 1e-12);
+        }
         CHECK_NEAR_REL(pull, lattice_strength(law.potential, law.k, law.shape) * bond.area, 1e-14);
         for (int side = -1; side <= 1; side += 2)
             CHECK(-potential_force(&law, bond.peak * (1.0 + 1e-4 * side), r0, &u) < pull);

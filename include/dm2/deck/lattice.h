@@ -41,4 +41,8 @@ double lattice_shear_modulus(double kn, double kt);
  * infinite for the quadratic potential, whose pull has no end. shape: of the Morse potential. */
 double lattice_strength(enum potential_kind potential, double kn, double shape);
 
+/* The same of bonds that break at the length stretch r0: at the strongest pull up to there, which no bond
+ * exceeds. */
+double lattice_strength_to(enum potential_kind potential, double kn, double shape, double stretch);
+
 #endif
