@@ -56,8 +56,8 @@ printf '%s\n%s\ninclude "materials/cu.dm2"\n' "$head" "$(echo "$body" | sed 's/=
 expect_status 0 installed/bin/dm2-seq -q -o user.run user/deck.dm2
 expect_status 0 installed/bin/dm2-client -n 2 -q -o user.2 user/deck.dm2
 same_bytes user.run/final.dm2 user.2/final.dm2
-expect_status 0 "$DM2_BIN/dm2-seq" -q --overwrite -o user.2 user/deck.dm2 \
-    # the source tree's own, or that of PREFIX
+# The input of the source tree lies beside the programs of the release flavour.
+[ ! -d "$DM2_BIN/../input" ] || expect_status 0 "$DM2_BIN/dm2-seq" -q --overwrite -o user.2 user/deck.dm2
 echo 'material Cu { rho0 = 1 g/cm3; c0 = 4 km/s; s = 1.5' >lib/materials/cu.dm2
 expect_status 2 env DM2_PATH="/nowhere:$here/lib" installed/bin/dm2-seq --check user/deck.dm2
 expect_text err "$here/lib//materials/cu.dm2:1:"

@@ -63,7 +63,8 @@ fi
 # A calibration: refused before an hour of measuring.
 for kind in $odd_kinds; do
     make_odd $kind constants.csv
-    expect_status 2 "$DM2_BIN/dm2-model" calibrate --file constants.csv -n 2
+    expect_status 2 "$DM2_BIN/dm2-model" calibrate --file constants.csv -n 2 \
+        --deck "$DM2_SRC/input/timing.dm2"
     expect_text err 'constants.csv: is '
     still $kind constants.csv || fail "$kind: constants.csv was replaced"
     rm -rf constants.csv

@@ -54,8 +54,8 @@ done
 for y in '1.025 cm' 'd/2 + 20*d' '0.5 cm + 10.5*d' '1.35 cm - 6.5*d'; do
     expect_counts on.dm2 "y=$y" '800 1548'
 done
-for e in '0.325 cm' '6.5*d' '1.3 cm/4' '0.025 cm + 6*d'; do \
-    # centres at both ends of the line: one of the two is on it
+# Centres at both ends of the line: one of the two is on it.
+for e in '0.325 cm' '6.5*d' '1.3 cm/4' '0.025 cm + 6*d'; do
     expect_counts on.dm2 "e=$e" '800 1547'
 done
 

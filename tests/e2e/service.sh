@@ -4,8 +4,8 @@
 
 awk '/^```ini/ { on = 1; next } /^```/ { on = 0 } on' "$DM2_SRC/docs/security.md" >dm2-server.service
 grep -q '^ExecStart=/usr/local/bin/dm2-server ' dm2-server.service || fail 'no unit in docs/security.md'
-sed "s|/usr/local/bin|$DM2_BIN|; s/^User=.*/User=daemon/" dm2-server.service >here.service \
-    # a path and a user that exist
+# With a path and a user that exist.
+sed "s|/usr/local/bin|$DM2_BIN|; s/^User=.*/User=daemon/" dm2-server.service >here.service
 if command -v systemd-analyze >/dev/null; then
     systemd-analyze verify "$PWD/here.service" 2>said || { cat said; fail 'systemd does not take the unit'; }
     echo 'checked by systemd-analyze'
