@@ -156,7 +156,7 @@ static enum dm2_status take_step(struct sequence *s, struct dm2_error *err)
     if (status == DM2_OK)
         status = write_profiles(s, err);
     if (status == DM2_OK)
-        status = subdomain_move(s->sd, &dmax, schedule_limit(c, n) ? &measures : NULL, err);
+        status = subdomain_move(s->sd, &dmax, n == 0 || schedule_history(c, n) ? &measures : NULL, err);
     if (status == DM2_OK && n == 0) { /* the history has a row of step 0 */
         run_print_overlap(s->options, s->run, &measures.overlap);
         status = model_check_start(s->run->model, &measures, err);

@@ -23,12 +23,14 @@ bool schedule_profile(const struct config *c, size_t which, int64_t step)
 
 bool schedule_limit(const struct config *c, int64_t step)
 {
-    return step == 0 || schedule_history(c, step);
+    static const int64_t apart = 10; /* the sums of the limit cost as much as two steps */
+    int64_t every = c->output.history_every, rows = (apart + every - 1) / every;
+    return step == 0 || (schedule_history(c, step) && step % (rows * every) == 0);
 }
 
 bool schedule_measure(const struct config *c, int64_t step)
 {
-    bool due = schedule_limit(c, step) || schedule_snapshot(c, step);
+    bool due = step == 0 || schedule_history(c, step) || schedule_snapshot(c, step);
     for (size_t k = 0; k < c->n_profiles; k++)
         due |= schedule_profile(c, k, step);
     return due;

@@ -229,6 +229,7 @@ enum dm2_status subdomain_forces(struct subdomain *sd, bool measure, struct dm2_
                                 leapfrog_path_time(sd->model, sd->step), totals ? &sd->totals : NULL,
                                 sd->step, err);
     subdomain_beat(sd);
+    sd->stiffness = (struct stiffness){0};
     if (status == DM2_OK && measure && schedule_limit(m->config, sd->step))
         status = stiffness_measure(m, &sd->p, &sd->lists, &sd->stiff, &sd->stiffness, err);
     if (status == DM2_OK && m->reaction.any)

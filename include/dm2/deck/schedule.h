@@ -21,12 +21,12 @@ bool schedule_snapshot(const struct config *c, int64_t step);
 /* Whether c->profiles[which] has rows at `step`: every `every` steps of the profile, and the last one. */
 bool schedule_profile(const struct config *c, size_t which, int64_t step);
 
-/* Whether the time step is compared with the limit that holds at `step`: at step 0 and at the rows of the
- * history. */
+/* Whether the time step is compared with the limit that holds at `step`: at step 0 and at rows of the
+ * history, at least 10 steps apart. */
 bool schedule_limit(const struct config *c, int64_t step);
 
-/* Whether the elements are measured at `step`, because a row of the history, a snapshot, a profile or the
- * limit of the time step is due. */
+/* Whether the elements are measured at `step`, at step 0 and because a row of the history, a snapshot or
+ * a profile is due. */
 bool schedule_measure(const struct config *c, int64_t step);
 
 /* Whether a checkpoint is due at `step`: every `every` steps (0: never), but neither at step 0 nor at the
