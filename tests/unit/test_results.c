@@ -203,6 +203,19 @@ TEST(history_rows)
 }
 
 /* Two bins along y, one of them empty. */
+TEST(the_limit_is_summed_at_rows_ten_steps_apart)
+{
+    static const struct {
+        int64_t every, first; /* steps between rows; the first step after 0 that sums */
+    } cases[] = {{1, 10}, {2, 10}, {3, 12}, {7, 14}, {10, 10}, {25, 25}};
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        struct config c = {.steps = 1000, .output = {.history_every = cases[k].every}};
+        CHECK(schedule_limit(&c, 0));
+        for (int64_t step = 1; step <= 60; step++)
+            CHECK(schedule_limit(&c, step) == (step % cases[k].first == 0));
+    }
+}
+
 TEST(profile_rows)
 {
     struct fake f;
@@ -417,6 +430,6 @@ TEST(end)
 }
 
 TEST_MAIN(CASE(begin), CASE(default_directory), CASE(steps_that_are_due), CASE(whole_run), CASE(history_rows),
-          CASE(profile_rows), CASE(not_empty_is_an_error), CASE(overwrite_replaces_only_our_files),
-          CASE(abort_leaves_nothing_half_written), CASE(full_disk), CASE(directory_that_cannot_be_written),
-          CASE(end))
+          CASE(the_limit_is_summed_at_rows_ten_steps_apart), CASE(profile_rows), CASE(not_empty_is_an_error),
+          CASE(overwrite_replaces_only_our_files), CASE(abort_leaves_nothing_half_written), CASE(full_disk),
+          CASE(directory_that_cannot_be_written), CASE(end))
