@@ -68,6 +68,19 @@ static int32_t add_node(struct deck_parser *p, struct deck_node node)
     return (int32_t)tree->n_nodes++;
 }
 
+/* Adds a leaf with this number; the same errors as add_node. */
+static int32_t add_number(struct deck_parser *p, struct deck_place place, struct quantity number)
+{
+    return add_node(p, (struct deck_node){.kind = NODE_NUMBER,
+                                          .depth = 1,
+                                          .a = -1,
+                                          .b = -1,
+                                          .next = -1,
+                                          .place = place,
+                                          .op_place = place,
+                                          .number = number});
+}
+
 static int32_t fail_too_deep(struct deck_parser *p, struct deck_place place)
 {
     findings_error(p->findings, place, "this expression is nested more than %d deep; split it with let",
@@ -176,14 +189,7 @@ static int32_t parse_number(struct deck_parser *p)
                        number.value == 0 ? "small" : "large");
         return 0;
     }
-    return add_node(p, (struct deck_node){.kind = NODE_NUMBER,
-                                          .depth = 1,
-                                          .a = -1,
-                                          .b = -1,
-                                          .next = -1,
-                                          .place = place,
-                                          .op_place = place,
-                                          .number = number});
+    return add_number(p, place, number);
 }
 
 static int32_t parse_leaf(struct deck_parser *p, enum node_kind kind)
@@ -224,14 +230,7 @@ static int32_t multiply_by_unit(struct deck_parser *p, int32_t a)
         return a;
     struct deck_place place = place_span(parser_place(p, first), parser_place(p, last));
     struct quantity number = {unit_value("1", 1, unit), unit.dim};
-    int32_t b = add_node(p, (struct deck_node){.kind = NODE_NUMBER,
-                                               .depth = 1,
-                                               .a = -1,
-                                               .b = -1,
-                                               .next = -1,
-                                               .place = place,
-                                               .op_place = place,
-                                               .number = number});
+    int32_t b = add_number(p, place, number);
     return add_operation(p, NODE_BINARY, '*', place, a, b);
 }
 

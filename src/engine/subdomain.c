@@ -240,7 +240,6 @@ enum dm2_status subdomain_forces(struct subdomain *sd, bool measure, struct dm2_
     if (status == DM2_OK && sd->model->has_strain)
         status = strain_add(sd->model, &sd->p, &sd->lists, leapfrog_path_time(sd->model, sd->step), sd->step,
                             &sd->strain, err);
-    sd->measured = totals;
     sd->times.forces += clock_now() - started;
     return status;
 }
@@ -275,7 +274,6 @@ enum dm2_status subdomain_move(struct subdomain *sd, double *dmax, struct measur
     if (status == DM2_OK && sd->model->has_phases)
         phase_apply(sd->model, &sd->p);
     sd->step++;
-    sd->measured = false;
     return status;
 }
 

@@ -87,7 +87,6 @@ struct subdomain {
     struct stiffness_sums stiff;
     struct stiffness stiffness;   /* of the last row of the history, or of step 0 */
     struct reaction_sums reacted; /* of the last evaluation */
-    bool measured; /* totals, virial, surroundings, links and contacts are of the present step */
     struct subdomain_times times;
 };
 

@@ -72,4 +72,15 @@ static inline void thermo_check_ranks(const char *deck, const char *what, const 
     engine_state_free(&want);
 }
 
+/* Takes two steps and stops the engine: the chemical energy that the first step freed, g cm2/us2. */
+static inline double thermo_freed(struct engine *g)
+{
+    struct measures m = thermo_step(g);
+    double before = thermo_energy(g, &m.chemical);
+    m = thermo_step(g);
+    double after = thermo_energy(g, &m.chemical);
+    engine_stop(g);
+    return before - after;
+}
+
 #endif

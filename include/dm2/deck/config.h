@@ -62,7 +62,7 @@ struct phase_config {
     double hysteresis_p;          /* the phase goes back at this much below the line, Mbar, default 0 */
     double hysteresis_t;          /* the same in K; NaN: 1.1 times latent heat over heat capacity */
     double latent;                /* heat taken up at t_line, cm2/us2 */
-    struct material_config state; /* constants of the phase; those that the deck does not give are those of
+    struct material_config state; /* constants of the phase; a constant that the deck omits has the value of
                                      the phase from which this one forms */
 };
 

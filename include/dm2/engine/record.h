@@ -86,7 +86,7 @@ const struct element_field *record_fault(const struct element *e, const struct r
 enum { RECORD_FAULT_TEXT = 160 };
 
 /* Says what is wrong with the field that record_fault named, as the end of a sentence that begins with the
- * element: "has share 7, 0 to 1 is expected". The limits are those that record_fault was given. */
+ * element: "has share 7, 0 to 1 is expected". Takes the limits of that call. */
 void record_describe_fault(const struct element_field *fault, const struct element *e,
                            const struct record_limits *limits, char text[RECORD_FAULT_TEXT]);
 
