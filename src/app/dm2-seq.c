@@ -266,10 +266,9 @@ static enum dm2_status run_all(struct sequence *s, const struct decomposition *d
     const struct domain_map map = {.grid = &d->grid, .ranks = 1, .owner = d->owner};
     double started = clock_now();
     enum dm2_status status = run_open_results(s->options, s->run, &s->results, err);
-    const struct state *from = &s->run->state;
+    const struct state_view from = state_view_of(&s->run->state);
     if (status == DM2_OK && s->run->restarted)
-        status = subdomain_restore(s->run->model, &map, 0, from->step, from->elements, from->n_elements,
-                                   from->pairs, from->n_pairs, &s->sd, err);
+        status = subdomain_restore(s->run->model, &map, 0, &from, &s->sd, err);
     else if (status == DM2_OK)
         status = subdomain_create(s->run->model, &map, 0, &s->sd, err);
     s->every = run_checkpoint_every(s->options, s->run);

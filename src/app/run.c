@@ -118,9 +118,9 @@ static enum dm2_status read_state(const char *path, const struct run *run, struc
         return status;
     size_t n = model_elements(run->model);
     char here[SHA256_TEXT], there[SHA256_TEXT];
-    if (memcmp(out->digest, run->digest, sizeof run->digest) != 0) {
-        sha256_text(run->digest, here);
-        sha256_text(out->digest, there);
+    if (memcmp(out->origin.digest, run->origin.digest, STATE_DIGEST_BYTES) != 0) {
+        sha256_text(run->origin.digest, here);
+        sha256_text(out->origin.digest, there);
         status = dm2_fail(err, DM2_PROTOCOL,
                           "%s: belongs to another deck: its digest is %s, this deck's with its -D %s", path,
                           there, here);
@@ -198,7 +198,6 @@ enum dm2_status run_load(const struct run_options *o, struct run *run, struct dm
         return status;
     status = add_changes(o, &run->source, err);
     if (status == DM2_OK) {
-        deck_digest(&run->source, run->digest);
         status = deck_load(&run->source, &run->config, &report);
         run->loaded = status == DM2_OK;
         if (report.text != NULL && (status != DM2_OK || !o->quiet))
@@ -210,6 +209,10 @@ enum dm2_status run_load(const struct run_options *o, struct run *run, struct dm
     }
     if (status == DM2_OK)
         status = build_model(o, run, err);
+    if (status == DM2_OK)
+        status = state_origin_build(run->model, &run->origin, err);
+    if (status == DM2_OK)
+        deck_digest(&run->source, run->origin.digest);
     if (status == DM2_OK && o->restart != NULL)
         status = read_restart(o, run, err);
     if (status != DM2_OK)
@@ -224,6 +227,7 @@ void run_free(struct run *run)
         config_free(&run->config);
     deck_source_free(&run->source);
     state_free(&run->state);
+    state_origin_free(&run->origin);
     *run = (struct run){0};
 }
 
@@ -272,9 +276,9 @@ enum dm2_status run_open_results(const struct run_options *o, const struct run *
         status = dm2_fail(err, DM2_MEMORY, "no memory for the run directory's name");
     else if (o->restart != NULL)
         status = results_continue(directory, o->overwrite, own, run->state.step, &run->config, scales,
-                                  run->digest, out, err);
+                                  &run->origin, out, err);
     else
-        status = results_open(directory, o->overwrite, &run->config, scales, run->digest, out, err);
+        status = results_open(directory, o->overwrite, &run->config, scales, &run->origin, out, err);
     if (status == DM2_OK && results_warning(*out)[0] != '\0')
         (void)fprintf(stderr, "%s: warning: %s: %s\n", o->program, directory, results_warning(*out));
     if (status == DM2_OK && o->restart != NULL && results_checkpoint_step(*out) == run->state.step)

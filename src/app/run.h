@@ -6,7 +6,6 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include "dm2/base/sha256.h"
 #include "dm2/base/status.h"
 #include "dm2/cluster/decomposition.h"
 #include "dm2/deck/config.h"
@@ -52,7 +51,7 @@ struct run {
     struct config config;
     bool loaded; /* config_free is due */
     struct model *model;
-    unsigned char digest[SHA256_BYTES];
+    struct state_origin origin; /* of the states of this run */
     bool restarted;
     struct state state; /* the state that the run continues from */
 };

@@ -341,17 +341,12 @@ static enum dm2_status send_share(struct client *c, int rank, const struct state
                                   struct dm2_error *err)
 {
     struct state_parts parts = {.head = {.step = s->step, .purpose = STATE_COPY}};
-    struct element *elements;
-    struct pair_record *pairs;
-    enum dm2_status status =
-        state_parts_share(c->decomposition, rank, s->elements, s->n_elements, s->pairs, s->n_pairs, &elements,
-                          &parts.n_elements, &pairs, &parts.n_pairs, err);
-    parts.elements = elements;
-    parts.pairs = pairs;
+    struct state_share share;
+    enum dm2_status status = state_parts_share(c->decomposition, rank, s, &share, err);
+    parts.state = state_share_view(&share, s->step);
     while (status == DM2_OK && state_parts_next(&parts, &c->talk.out))
         status = conversation_send(&c->talk, rank, MESSAGE_STATE, err);
-    free(elements);
-    free(pairs);
+    state_share_free(&share);
     return status;
 }
 

@@ -114,7 +114,7 @@ static enum dm2_status take_state(struct collection *c, int rank, struct bytes_r
     struct compilation *state = find_state(c, m.purpose);
     if (!state->due || m.step != state->step || state->whole[rank])
         return conversation_failed(c->talk, rank, DM2_PROTOCOL, "it sent a state that is not due", err);
-    if (!m.last && m.n_elements == 0 && m.n_pairs == 0)
+    if (!m.last && state_message_empty(&m))
         return conversation_failed(c->talk, rank, DM2_PROTOCOL, "it sent an empty part of a state", err);
     enum dm2_status status = state_merge_add(&state->merge, &m, r, &why);
     state->whole[rank] = m.last;

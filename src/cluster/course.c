@@ -48,12 +48,7 @@ bool course_state(const struct course *course, const struct client_job *job, str
     if (course->copy_step >= 0)
         *out = state_merge_view(&course->copy, course->copy_step);
     else if (s != NULL)
-        *out = (struct state_view){.digest = s->digest,
-                                   .step = s->step,
-                                   .elements = s->elements,
-                                   .n_elements = s->n_elements,
-                                   .pairs = s->pairs,
-                                   .n_pairs = s->n_pairs};
+        *out = state_view_of(s);
     return course->copy_step >= 0 || s != NULL;
 }
 

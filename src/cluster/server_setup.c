@@ -40,6 +40,7 @@ struct received_state {
     struct pair_record *pairs;
     unsigned char *seen; /* by id: the element has come */
     size_t n_elements, n_pairs, elements_cap, pairs_cap;
+    struct section_array sections[SECTION_COUNT];
 };
 
 /* Room for so many more elements and pairs. False without memory. */
@@ -63,7 +64,7 @@ static enum dm2_status take_part(struct received_state *in, const struct model *
                                  const struct state_message *m, struct bytes_reader *r, struct dm2_error *err)
 {
     const struct record_limits limits = record_limits_of(model);
-    if (!m->last && m->n_elements == 0 && m->n_pairs == 0)
+    if (!m->last && state_message_empty(m))
         return dm2_fail(err, DM2_PROTOCOL, "the client sent an empty part of a state");
     if ((uint64_t)in->n_pairs + m->n_pairs > WIRE_PAIRS_MOST * (uint64_t)limits.elements)
         return dm2_fail(err, DM2_PROTOCOL, "the client sent more than %d pairs per element", WIRE_PAIRS_MOST);
@@ -80,7 +81,28 @@ static enum dm2_status take_part(struct received_state *in, const struct model *
     }
     for (size_t k = 0; k < m->n_pairs && !r->failed; k++)
         wire_get_pair(r, &limits, &in->pairs[in->n_pairs++]);
-    return bytes_done(r) ? DM2_OK : server_not_decoded("STATE", err);
+    enum dm2_status status = DM2_OK;
+    for (int k = 0; k < SECTION_COUNT && status == DM2_OK; k++)
+        status = section_get((enum section)k, r, m->sections[k], &limits, &in->sections[k], err);
+    return status != DM2_OK || bytes_done(r) ? status : server_not_decoded("STATE", err);
+}
+
+/* Makes the subdomain. */
+static enum dm2_status restore_received(struct session *s, struct received_state *in, int64_t step,
+                                        struct dm2_error *err)
+{
+    struct state_view view = {.step = step,
+                              .elements = in->elements,
+                              .n_elements = in->n_elements,
+                              .pairs = in->pairs,
+                              .n_pairs = in->n_pairs};
+    for (int k = 0; k < SECTION_COUNT; k++) {
+        enum dm2_status status = section_sort((enum section)k, &in->sections[k], err);
+        if (status != DM2_OK)
+            return status;
+    }
+    memcpy(view.sections, in->sections, sizeof view.sections);
+    return subdomain_restore(s->model, &s->map, s->assign.rank, &view, &s->sd, err);
 }
 
 /* Receives the elements and pairs of this rank at step s->assign.start, in STATE messages until the last
@@ -103,8 +125,8 @@ static enum dm2_status get_state(struct session *s, struct dm2_error *err)
             status = take_part(&in, s->model, &m, &r, err);
     }
     if (status == DM2_OK)
-        status = subdomain_restore(s->model, &s->map, s->assign.rank, m.step, in.elements, in.n_elements,
-                                   in.pairs, in.n_pairs, &s->sd, err);
+        status = restore_received(s, &in, m.step, err);
+    section_free(in.sections);
     free(in.elements);
     free(in.pairs);
     free(in.seen);

@@ -39,7 +39,8 @@ static enum dm2_status send_state(struct session *s, enum state_purpose purpose,
     server_beat(s);
     bool counted = count_cpu(s, false);
     size_t n = subdomain_owned(s->sd);
-    struct state_parts parts = {.head = {.step = subdomain_step(s->sd), .purpose = purpose}, .n_elements = n};
+    struct state_parts parts = {.head = {.step = subdomain_step(s->sd), .purpose = purpose},
+                                .state = {.n_elements = n}};
     struct element *elements = mem_alloc(n, sizeof *elements);
     struct element_measure *measured = purpose == STATE_SNAPSHOT ? mem_alloc(n, sizeof *measured) : NULL;
     struct pair_record *pairs = NULL;
@@ -50,13 +51,16 @@ static enum dm2_status send_state(struct session *s, enum state_purpose purpose,
         status = subdomain_collect(s->sd, elements, measured, err);
     server_beat(s);
     if (status == DM2_OK)
-        status = subdomain_collect_pairs(s->sd, &pairs, &parts.n_pairs, err);
+        status = subdomain_collect_pairs(s->sd, &pairs, &parts.state.n_pairs, err);
+    if (status == DM2_OK && purpose != STATE_SNAPSHOT)
+        status = subdomain_collect_sections(s->sd, parts.state.sections, err);
     server_beat(s);
-    parts.elements = elements;
+    parts.state.elements = elements;
     parts.measured = measured;
-    parts.pairs = pairs;
+    parts.state.pairs = pairs;
     while (status == DM2_OK && state_parts_next(&parts, &s->out))
         status = server_send(s, MESSAGE_STATE, err);
+    section_free(parts.state.sections);
     free(elements);
     free(measured);
     free(pairs);

@@ -18,6 +18,7 @@ void state_merge_free(struct state_merge *m)
     free(m->measured);
     free(m->seen);
     free(m->pairs);
+    section_free(m->sections);
     *m = (struct state_merge){0};
 }
 
@@ -26,6 +27,8 @@ void state_merge_clear(struct state_merge *m)
     if (m->seen != NULL)
         memset(m->seen, 0, m->limits.elements);
     m->n_seen = m->n_pairs = 0;
+    for (int k = 0; k < SECTION_COUNT; k++)
+        m->sections[k].n = 0;
 }
 
 static enum dm2_status allocate_arrays(struct state_merge *m, struct dm2_error *err)
@@ -88,7 +91,9 @@ enum dm2_status state_merge_add(struct state_merge *m, const struct state_messag
     m->pairs = grown;
     for (size_t k = 0; k < head->n_pairs; k++)
         wire_get_pair(r, &m->limits, &m->pairs[m->n_pairs++]);
-    return bytes_done(r) ? DM2_OK : fail_record(err);
+    for (int k = 0; k < SECTION_COUNT && status == DM2_OK; k++)
+        status = section_get((enum section)k, r, head->sections[k], &m->limits, &m->sections[k], err);
+    return status != DM2_OK || bytes_done(r) ? status : fail_record(err);
 }
 
 /* Returns m->pairs sorted in a new array, or NULL without memory. */
@@ -145,14 +150,18 @@ enum dm2_status state_merge_finish(struct state_merge *m, struct dm2_error *err)
                                  text))
             return dm2_fail(err, DM2_PROTOCOL, "the pair %u-%u %s", sorted[k].id_a, sorted[k].id_b, text);
     }
-    return DM2_OK;
+    for (int k = 0; k < SECTION_COUNT && status == DM2_OK; k++)
+        status = section_sort((enum section)k, &m->sections[k], err);
+    return status;
 }
 
 struct state_view state_merge_view(const struct state_merge *m, int64_t step)
 {
-    return (struct state_view){.step = step,
-                               .elements = m->elements,
-                               .n_elements = m->n_seen,
-                               .pairs = m->pairs,
-                               .n_pairs = m->n_pairs};
+    struct state_view view = {.step = step,
+                              .elements = m->elements,
+                              .n_elements = m->n_seen,
+                              .pairs = m->pairs,
+                              .n_pairs = m->n_pairs};
+    memcpy(view.sections, m->sections, sizeof view.sections);
+    return view;
 }

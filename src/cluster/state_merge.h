@@ -19,13 +19,14 @@ struct state_merge {
     size_t n_seen;
     struct pair_record *pairs;
     size_t n_pairs, pairs_cap;
+    struct section_array sections[SECTION_COUNT];
 };
 
 /* Allocates nothing; state_merge_add allocates with the first part. state_merge_free frees what *m owns. */
 void state_merge_open(struct state_merge *m, struct record_limits limits);
 void state_merge_free(struct state_merge *m);
 
-/* Forgets all elements and pairs, for the next state. */
+/* Forgets all records, for the next state. */
 void state_merge_clear(struct state_merge *m);
 
 /* Adds one part: the records that follow `head` in a STATE message. DM2_PROTOCOL: a record is invalid, or an
@@ -34,12 +35,12 @@ void state_merge_clear(struct state_merge *m);
 enum dm2_status state_merge_add(struct state_merge *m, const struct state_message *head,
                                 struct bytes_reader *r, struct dm2_error *err);
 
-/* Completes the state after its last part: sorts the pairs. DM2_PROTOCOL: an element is missing (the first id
- * is named), or a pair came twice; DM2_MEMORY. */
+/* Completes the state after its last part: sorts pairs and sections. DM2_PROTOCOL: an element is missing (the
+ * first id is named), or a pair or record came twice; DM2_MEMORY. */
 enum dm2_status state_merge_finish(struct state_merge *m, struct dm2_error *err);
 
 /* The compiled state as the state of `step`. Its arrays belong to *m and last until *m changes;
- * its digest is NULL. */
+ * its origin is NULL. */
 struct state_view state_merge_view(const struct state_merge *m, int64_t step);
 
 #endif

@@ -1,32 +1,63 @@
-/* The parts of a state hold its elements first, then its pairs; the last part has head.last set. A share
- * follows the cells: struct domain_map gives the owner of an element's cell and the ranks that mirror the
- * cell. */
+/* The parts of a state hold its elements first, then its pairs, then its further sections; the last part has
+ * head.last set. A share follows the cells: struct domain_map gives the owner of an element's cell and the
+ * ranks that mirror the cell. */
 #include "state_parts.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "dm2/base/mem.h"
 #include "dm2/cluster/wire.h"
 #include "dm2/engine/domain_map.h"
 
+/* Room for the heads of a message and of its sections. */
+enum { HEADS = 64 + SECTION_HEAD * (3 + SECTION_COUNT) };
+
+/* Takes of `left` records as many as *room has bytes for. */
+static size_t take_records(size_t left, size_t width, size_t *room)
+{
+    size_t n = left < *room / width ? left : *room / width;
+    *room -= n * width;
+    return n;
+}
+
+/* Decides which records the next part holds. */
+static void plan_part(struct state_parts *s)
+{
+    size_t room = LIMIT_STATE - HEADS;
+    size_t elements = s->state.n_elements - s->elements_done, pairs = s->state.n_pairs - s->pairs_done;
+    s->head.n_elements =
+        take_records(elements, WIRE_ELEMENT + (s->measured != NULL ? WIRE_MEASURED : 0), &room);
+    s->head.n_pairs = s->head.n_elements == elements ? take_records(pairs, WIRE_PAIR, &room) : 0;
+    bool all = s->head.n_elements == elements && s->head.n_pairs == pairs;
+    for (int k = 0; k < SECTION_COUNT; k++) {
+        size_t left = s->state.sections[k].n - s->sections_done[k];
+        s->head.sections[k] = all ? take_records(left, section_kinds[k].bytes, &room) : 0;
+        all &= s->head.sections[k] == left;
+    }
+    s->head.last = all;
+}
+
 bool state_parts_next(struct state_parts *s, struct bytes_writer *out)
 {
-    size_t each = WIRE_ELEMENT + (s->measured != NULL ? WIRE_MEASURED : 0), most = LIMIT_STATE - 64;
-    size_t elements = s->n_elements - s->elements_done, pairs = s->n_pairs - s->pairs_done;
+    const struct state_view *state = &s->state;
     if (s->head.last)
         return false;
-    s->head.n_elements = elements < most / each ? elements : most / each;
-    size_t room = (most - s->head.n_elements * each) / WIRE_PAIR;
-    s->head.n_pairs = pairs < room ? pairs : room;
-    s->head.last = s->head.n_elements == elements && s->head.n_pairs == pairs;
+    plan_part(s);
     bytes_clear(out);
     message_put_state(out, &s->head);
     for (size_t k = 0; k < s->head.n_elements; k++)
-        wire_put_element(out, &s->elements[s->elements_done + k]);
+        wire_put_element(out, &state->elements[s->elements_done + k]);
     for (size_t k = 0; k < s->head.n_elements && s->measured != NULL; k++)
         wire_put_measured(out, &s->measured[s->elements_done + k]);
     for (size_t k = 0; k < s->head.n_pairs; k++)
-        wire_put_pair(out, &s->pairs[s->pairs_done + k]);
+        wire_put_pair(out, &state->pairs[s->pairs_done + k]);
+    for (int kind = 0; kind < SECTION_COUNT; kind++) {
+        for (size_t k = 0; k < s->head.sections[kind]; k++)
+            section_kinds[kind].put(
+                out, section_record((enum section)kind, &state->sections[kind], s->sections_done[kind] + k));
+        s->sections_done[kind] += s->head.sections[kind];
+    }
     s->elements_done += s->head.n_elements;
     s->pairs_done += s->head.n_pairs;
     return true;
@@ -42,33 +73,60 @@ static bool sees_cell(const struct domain_map *map, int rank, int cell)
     return found;
 }
 
-enum dm2_status state_parts_share(const struct decomposition *d, int rank, const struct element *elements,
-                                  size_t n_elements, const struct pair_record *pairs, size_t n_pairs,
-                                  struct element **out, size_t *n_out, struct pair_record **pairs_out,
-                                  size_t *n_pairs_out, struct dm2_error *err)
+/* Copies the records of owned elements, of sections of the run all. own[ids] tells which ids are owned. */
+static bool share_sections(const struct state_view *state, const unsigned char *own, struct state_share *out)
+{
+    for (int kind = 0; kind < SECTION_COUNT; kind++) {
+        const struct section_array *all = &state->sections[kind];
+        for (size_t k = 0; k < all->n; k++) {
+            const void *record = section_record((enum section)kind, all, k);
+            if ((!section_kinds[kind].of_element || own[section_element(record)]) &&
+                !section_append((enum section)kind, &out->sections[kind], record, 1))
+                return false;
+        }
+    }
+    return true;
+}
+
+enum dm2_status state_parts_share(const struct decomposition *d, int rank, const struct state_view *state,
+                                  struct state_share *out, struct dm2_error *err)
 {
     const struct domain_map map = {.grid = &d->grid, .ranks = d->ranks, .owner = d->owner};
-    unsigned char *own = mem_zalloc(n_elements, 1);
-    *out = mem_alloc(n_elements, sizeof **out);
-    *pairs_out = mem_alloc(n_pairs, sizeof **pairs_out);
-    *n_out = *n_pairs_out = 0;
-    if (own == NULL || *out == NULL || *pairs_out == NULL) {
-        free(own);
-        free(*out);
-        free(*pairs_out);
-        *out = NULL;
-        *pairs_out = NULL;
-        return dm2_fail(err, DM2_MEMORY, "no memory to share out a state of %zu elements", n_elements);
-    }
-    for (size_t k = 0; k < n_elements; k++) {
-        int cell = grid_cell(&d->grid, elements[k].r[0], elements[k].r[1]);
-        own[k] = d->owner[cell] == rank;
+    size_t n = state->n_elements, ids = n == 0 ? 0 : (size_t)state->elements[n - 1].id + 1;
+    unsigned char *own = mem_zalloc(ids, 1);
+    *out = (struct state_share){.elements = mem_alloc(n, sizeof *out->elements),
+                                .pairs = mem_alloc(state->n_pairs, sizeof *out->pairs)};
+    bool room = own != NULL && out->elements != NULL && out->pairs != NULL;
+    for (size_t k = 0; k < n && room; k++) {
+        const struct element *e = &state->elements[k];
+        int cell = grid_cell(&d->grid, e->r[0], e->r[1]);
+        own[e->id] = d->owner[cell] == rank;
         if (sees_cell(&map, rank, cell))
-            (*out)[(*n_out)++] = elements[k];
+            out->elements[out->n_elements++] = *e;
     }
-    for (size_t k = 0; k < n_pairs; k++)
-        if (own[pairs[k].id_a] || own[pairs[k].id_b])
-            (*pairs_out)[(*n_pairs_out)++] = pairs[k];
+    for (size_t k = 0; k < state->n_pairs && room; k++)
+        if (own[state->pairs[k].id_a] || own[state->pairs[k].id_b])
+            out->pairs[out->n_pairs++] = state->pairs[k];
+    room = room && share_sections(state, own, out);
     free(own);
-    return DM2_OK;
+    return room ? DM2_OK : dm2_fail(err, DM2_MEMORY, "no memory to share out a state of %zu elements", n);
+}
+
+void state_share_free(struct state_share *share)
+{
+    free(share->elements);
+    free(share->pairs);
+    section_free(share->sections);
+    *share = (struct state_share){.n_elements = 0};
+}
+
+struct state_view state_share_view(const struct state_share *share, int64_t step)
+{
+    struct state_view view = {.step = step,
+                              .elements = share->elements,
+                              .n_elements = share->n_elements,
+                              .pairs = share->pairs,
+                              .n_pairs = share->n_pairs};
+    memcpy(view.sections, share->sections, sizeof view.sections);
+    return view;
 }

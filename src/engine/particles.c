@@ -21,7 +21,8 @@ enum need {
     KINDS = 64,
     REACTION = 128,
     STRAIN = 256,
-    PERIODIC = 512
+    PERIODIC = 512,
+    DAMPING = 1024
 };
 
 struct column {
@@ -57,6 +58,7 @@ static const struct column columns[] = {
     COLUMN(share, 2, REACTION),
     COLUMN(strain, 3, STRAIN),
     COLUMN(image, 2, PERIODIC),
+    COLUMN(damped, 1, DAMPING),
     /* The last four are no part of the state: they hold the sums of one force evaluation. */
     COLUMN(far_sum, 2, FAR),
     COLUMN(pair_sum, SUM_COUNT, NEAR),
@@ -71,7 +73,7 @@ static unsigned find_needs(const struct model *m)
     unsigned needs = ALWAYS | (m->has_near ? NEAR | HEAT : 0u) | (m->has_far || !m->has_near ? FAR : 0u) |
                      (m->has_pressure || m->has_phases ? PRESSURE : 0u) | (m->has_kinds ? KINDS | HEAT : 0u) |
                      (m->reaction.any ? REACTION : 0u) | (m->has_strain ? STRAIN : 0u) |
-                     (c->periodic[0] || c->periodic[1] ? PERIODIC : 0u) |
+                     (m->has_damping ? DAMPING : 0u) | (c->periodic[0] || c->periodic[1] ? PERIODIC : 0u) |
                      (c->gravity[0] != 0.0 || c->gravity[1] != 0.0 ? WORK : 0u);
     for (size_t b = 0; b < c->n_bodies; b++)
         needs |= c->bodies[b].motion != MOTION_FREE ? WORK : 0u;
@@ -172,6 +174,8 @@ void particles_get(const struct particles *p, size_t i, struct element *out)
         memcpy(out->strain, p->strain + 3 * i, sizeof out->strain);
     if (p->groups & PERIODIC)
         memcpy(out->image, p->image + 2 * i, sizeof out->image);
+    if (p->groups & DAMPING)
+        out->damped = p->damped[i];
 }
 
 void particles_put(struct particles *p, const struct model *m, size_t i, const struct element *in)
@@ -206,6 +210,8 @@ void particles_put(struct particles *p, const struct model *m, size_t i, const s
         memcpy(p->strain + 3 * i, in->strain, sizeof in->strain);
     if (p->groups & PERIODIC)
         memcpy(p->image + 2 * i, in->image, sizeof in->image);
+    if (p->groups & DAMPING)
+        p->damped[i] = in->damped;
     particles_warm(p, m, i, 1.0 / p->mass[i]);
 }
 

@@ -59,6 +59,7 @@ struct particles {
                         reaction */
     uint16_t *was;   /* [n] kind before the last move; likewise */
     double *strain;  /* [n][3] xx, yy, xy, of owned elements; a deck that asks for strain */
+    double *damped;  /* [n] energy that local damping took, of owned elements; a deck with damping */
     uint16_t *bonds; /* [n] links at the start, of owned elements; near pairs */
     int32_t *image; /* [n][2] sizes of the domain that wrapping took off, of owned elements; periodic sides */
     uint32_t *id, *grain;

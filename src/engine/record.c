@@ -32,14 +32,15 @@ const struct element_field element_fields[ELEMENT_FIELDS] = {
     ROW(strain, "", FIELD_F64, 3, RULE_NONE, true),
     ROW(moved, "g cm2/us2", FIELD_F64, 1, RULE_ENERGY, true),
     ROW(image, "", FIELD_I32, 2, RULE_IMAGE, true),
+    ROW(damped, "g cm2/us2", FIELD_F64, 1, RULE_ENERGY, true),
     ROW(bonds, "", FIELD_U16, 1, RULE_BONDS, true),
 };
 #undef ROW
 
-/* Version 5 of the state file: the table's first thirteen, then work, strain, bonds, was, share, moved,
- * image. */
-static const uint8_t state_order[ELEMENT_FIELDS] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,
-                                                    10, 11, 12, 15, 16, 19, 13, 14, 17, 18};
+/* The state file has the table's first thirteen, then work, strain, bonds, was, share, moved, image,
+ * damped. */
+static const uint8_t state_order[ELEMENT_FIELDS] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9, 10,
+                                                    11, 12, 15, 16, 20, 13, 14, 17, 18, 19};
 
 static const uint8_t field_bytes[] = {
     [FIELD_U8] = 1, [FIELD_U16] = 2, [FIELD_U32] = 4, [FIELD_I32] = 4, [FIELD_F64] = 8};

@@ -14,6 +14,7 @@
 #include "dm2/base/exact.h"
 #include "dm2/deck/config.h"
 #include "dm2/engine/record.h"
+#include "dm2/engine/section.h"
 #include "generate.h"
 #include "kinds.h"
 #include "periodic.h"
@@ -27,6 +28,8 @@ struct record_limits record_limits_of(const struct model *model)
                                   .bodies = c->n_bodies,
                                   .kinds = config_kinds(c),
                                   .probes = c->n_probes,
+                                  .movers = c->n_bodies,
+                                  .sections = section_has(c),
                                   .periodic = {c->periodic[0], c->periodic[1]},
                                   .model = model};
 }
@@ -285,6 +288,9 @@ static bool check_deck(const struct element_field *f, const struct element *e, c
         return check_shares(m, e, text);
     case RULE_HEAT:
     case RULE_ENERGY:
+        if (f->offset == offsetof(struct element, damped) && !m->has_damping)
+            return e->damped == 0.0 ||
+                   refuse(text, "has damped %g, 0 is expected: the deck has no damping", e->damped);
         return check_energy(m, f->name, *x, *x, text);
     case RULE_BONDS:
         return check_bonds(m, e, text);

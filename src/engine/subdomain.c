@@ -118,19 +118,18 @@ enum dm2_status subdomain_create(const struct model *model, const struct domain_
 }
 
 enum dm2_status subdomain_restore(const struct model *model, const struct domain_map *map, int rank,
-                                  int64_t step, const struct element *elements, size_t n_elements,
-                                  const struct pair_record *pairs, size_t n_pairs, struct subdomain **out,
+                                  const struct state_view *state, struct subdomain **out,
                                   struct dm2_error *err)
 {
-    enum dm2_status status = open_subdomain(model, map, rank, step, out, err);
+    enum dm2_status status = open_subdomain(model, map, rank, state->step, out, err);
     struct chooser chosen = {.sd = *out};
-    if (status == DM2_OK && map->ranks == 1 && reserve_elements(&chosen.own, n_elements) != 0)
+    if (status == DM2_OK && map->ranks == 1 && reserve_elements(&chosen.own, state->n_elements) != 0)
         status = subdomain_no_memory(*out, err);
-    for (size_t k = 0; k < n_elements && status == DM2_OK; k++)
-        status = choose_element(&chosen, &elements[k], err);
+    for (size_t k = 0; k < state->n_elements && status == DM2_OK; k++)
+        status = choose_element(&chosen, &state->elements[k], err);
     /* All elements are newcomers or mirrors, so that sd->ids holds the id of every element of a pair. */
     if (status == DM2_OK)
-        status = place_chosen(*out, &chosen, pairs, n_pairs, false, err);
+        status = place_chosen(*out, &chosen, state->pairs, state->n_pairs, false, err);
     free(chosen.own.item);
     free(chosen.mirrors.item);
     if (status != DM2_OK) {
@@ -327,6 +326,15 @@ enum dm2_status subdomain_collect_pairs(const struct subdomain *sd, struct pair_
     return status;
 }
 
+enum dm2_status subdomain_collect_sections(const struct subdomain *sd,
+                                           struct section_array out[SECTION_COUNT], struct dm2_error *err)
+{
+    (void)sd; /* section_has: no deck has further sections */
+    (void)out;
+    (void)err;
+    return DM2_OK;
+}
+
 static void read_element(const void *context, size_t k, struct element *out)
 {
     state_reader_element(context, k, out);
@@ -342,14 +350,17 @@ enum dm2_status subdomain_write(const struct subdomain *sd, subdomain_writer wri
 {
     struct state_reader reader;
     enum dm2_status status = state_reader_open(&reader, &sd->p, &sd->lists, true, err);
-    const struct state_view view = {.step = sd->step,
-                                    .n_elements = reader.n_elements,
-                                    .n_pairs = reader.n_pairs,
-                                    .records = &reader,
-                                    .element = read_element,
-                                    .pair = read_pair};
+    struct state_view view = {.step = sd->step,
+                              .n_elements = reader.n_elements,
+                              .n_pairs = reader.n_pairs,
+                              .records = &reader,
+                              .element = read_element,
+                              .pair = read_pair};
+    if (status == DM2_OK)
+        status = subdomain_collect_sections(sd, view.sections, err);
     if (status == DM2_OK)
         status = write(context, &view, err);
+    section_free(view.sections);
     state_reader_free(&reader);
     return status;
 }

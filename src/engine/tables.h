@@ -64,6 +64,7 @@ struct model {
     struct reaction_table reaction;
     double growth;    /* largest factor by which the radius of an element may grow; 1 without phases */
     bool has_strain;  /* the deck asks for strain */
+    bool has_damping; /* the deck has local damping */
     bool uniform_far; /* one kind, one far law */
     bool wide_far;    /* uniform_far, and the law is a plain Lennard-Jones potential: the rows of the far list
                          are    padded to multiples of four */

@@ -29,7 +29,7 @@ struct results {
     struct run_lock lock;
     const struct config *config;
     struct measure_scales scales;
-    uint8_t digest[RESULTS_DIGEST_BYTES];
+    const struct state_origin *origin;
     struct history_tables tables;
     struct energy_book book; /* of the rows of tables.history */
     bool made_final;         /* final.dm2, by this run */
@@ -202,12 +202,12 @@ enum dm2_status results_snapshot(struct results *r, int64_t step, const struct e
     return status;
 }
 
-/* Writes the state with this run's digest. */
+/* Writes the state with this run's origin. */
 static enum dm2_status write_state(const struct results *r, const char *path, const struct state_view *state,
                                    struct dm2_error *err)
 {
     struct state_view s = *state;
-    s.digest = r->digest;
+    s.origin = r->origin;
     return state_write(path, &s, err);
 }
 
@@ -246,9 +246,8 @@ static void free_results(struct results *r)
 
 /* Allocates *out for the run and touches no file. */
 static enum dm2_status create_results(const char *directory, const struct config *config,
-                                      struct measure_scales scales,
-                                      const uint8_t digest[RESULTS_DIGEST_BYTES], struct results **out,
-                                      struct dm2_error *err)
+                                      struct measure_scales scales, const struct state_origin *origin,
+                                      struct results **out, struct dm2_error *err)
 {
     *out = NULL;
     if (directory[0] == '\0')
@@ -261,7 +260,7 @@ static enum dm2_status create_results(const char *directory, const struct config
     r->history_step = r->snapshot_step = r->checkpoint_step = -1;
     for (size_t k = 0; k < PROFILE_MAX; k++)
         r->profile_step[k] = -1;
-    memcpy(r->digest, digest, sizeof r->digest);
+    r->origin = origin;
     energy_book_start(&r->book, scales.energy);
     r->directory = text_join(directory, "", "");
     if (r->directory == NULL) {
@@ -273,11 +272,11 @@ static enum dm2_status create_results(const char *directory, const struct config
 }
 
 enum dm2_status results_open(const char *directory, bool overwrite, const struct config *config,
-                             struct measure_scales scales, const uint8_t digest[RESULTS_DIGEST_BYTES],
+                             struct measure_scales scales, const struct state_origin *origin,
                              struct results **out, struct dm2_error *err)
 {
     struct results *r;
-    enum dm2_status status = create_results(directory, config, scales, digest, &r, err);
+    enum dm2_status status = create_results(directory, config, scales, origin, &r, err);
     *out = NULL;
     if (status != DM2_OK)
         return status;
@@ -316,11 +315,11 @@ static enum dm2_status replay_book(struct results *r, struct dm2_error *err)
 
 enum dm2_status results_continue(const char *directory, bool overwrite, const char *source, int64_t step,
                                  const struct config *config, struct measure_scales scales,
-                                 const uint8_t digest[RESULTS_DIGEST_BYTES], struct results **out,
+                                 const struct state_origin *origin, struct results **out,
                                  struct dm2_error *err)
 {
     struct results *r;
-    enum dm2_status status = create_results(directory, config, scales, digest, &r, err);
+    enum dm2_status status = create_results(directory, config, scales, origin, &r, err);
     *out = NULL;
     if (status != DM2_OK)
         return status;

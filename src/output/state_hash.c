@@ -48,24 +48,47 @@ uint64_t state_hash_pair(const struct pair_record *p)
     return mix_double(h, p->spring);
 }
 
+uint64_t state_hash_section(enum section kind, const void *record)
+{
+    struct bytes_writer w = {0};
+    uint64_t h = mix_value(3, (uint64_t)kind);
+    section_kinds[kind].put(&w, record);
+    for (size_t k = 0; k < w.length; k += sizeof h) {
+        uint64_t part = 0;
+        for (size_t b = 0; b < sizeof h && k + b < w.length; b++)
+            part |= (uint64_t)w.data[k + b] << 8 * b;
+        h = mix_value(h, part);
+    }
+    bytes_free(&w);
+    return h;
+}
+
 enum dm2_status state_hash_subdomain(const struct subdomain *sd, uint64_t *out, struct dm2_error *err)
 {
     size_t n = subdomain_owned(sd), n_pairs = 0;
     struct element *elements = mem_alloc(n, sizeof *elements);
     struct pair_record *pairs = NULL;
+    struct section_array sections[SECTION_COUNT] = {{.n = 0}};
     if (elements == NULL)
         return dm2_fail(err, DM2_MEMORY, "no memory to hash the state of %zu elements", n);
     enum dm2_status status = subdomain_collect(sd, elements, NULL, err);
     if (status == DM2_OK)
         status = subdomain_collect_pairs(sd, &pairs, &n_pairs, err);
+    if (status == DM2_OK)
+        status = subdomain_collect_sections(sd, sections, err);
     if (status == DM2_OK) {
         uint64_t sum = 0;
         for (size_t k = 0; k < n; k++)
             sum += state_hash_element(&elements[k]);
         for (size_t k = 0; k < n_pairs; k++)
             sum += state_hash_pair(&pairs[k]);
+        for (int kind = 0; kind < SECTION_COUNT; kind++)
+            for (size_t k = 0; k < sections[kind].n; k++)
+                sum += state_hash_section((enum section)kind,
+                                          section_record((enum section)kind, &sections[kind], k));
         *out = sum;
     }
+    section_free(sections);
     free(elements);
     free(pairs);
     return status;

@@ -59,7 +59,8 @@ refused 0 was 1 "element 0 has was 1, 'B': a kind that its material 'A' can beco
 refused 0 body 1 'element 0 has body 1, 0 is expected'
 refused 49 body 0 'element 49 has body 0, 1 is expected'
 refused 0 body 9 'element 0 is of a body or a kind that the deck does not have: body 9'
-refused 0 grain 4000000000 'element 0 has grain 4000000000, 0 is expected'
+refused 0 grain 4000000000 'element 0 of grain 4000000000 is beyond the next element, 50, or the next'
+refused 0 grain 1 'element 0 has grain 1, 0 is expected'
 refused 49 grain 0 'element 49 has grain 0, 1 is expected'
 refused 0 flags 1 "element 0 has flags 1, 0 is expected by the motion of the body 'a'"
 refused 0 flags 2 'element 0 has a flag that this program does not know: flags 2'
@@ -80,6 +81,7 @@ refused 0 heat 1e300 'element 0 has heat 1e+300, beyond the energies that a run 
 refused 0 p nan 'element 0 has a number that is not finite: p nan'
 refused 0 p 1e300 'element 0 has p 1e+300, beyond the energies that a run can hold'
 refused 0 moved 1e300 'element 0 has moved 1e+300, beyond the energies that a run can hold'
+refused 0 damped 1e-9 'element 0 has damped 1e-09, 0 is expected: the deck has no damping'
 refused 0 image 1073741825 'element 0 has image 1073741825 in x, at most 2^30 either way is expected'
 refused 0 bonds 65535 'element 0 has bonds 65535, at most '
 refused 0 stretch 5 'the pair (0, 1) has stretch 5 cm, below r_c = 0.1 cm either way is expected'

@@ -172,7 +172,7 @@ static const struct prepared *prepare_run(void)
 static void run_client(const struct client_options *options, int ranks)
 {
     const struct prepared *p = prepare_run();
-    const uint8_t digest[RESULTS_DIGEST_BYTES] = {0};
+    const struct state_origin origin = {.next_id = UINT32_MAX, .next_grain = UINT32_MAX};
     const char *directory = getenv("TMPDIR");
     char path[400];
     struct run_report report;
@@ -180,7 +180,7 @@ static void run_client(const struct client_options *options, int ranks)
         .source = &p->source, .config = &p->config, .model = p->model, .decomposition = &p->cuts[ranks - 1]};
     (void)snprintf(path, sizeof path, "%s/fuzz-client-%ld", directory == NULL ? "/tmp" : directory,
                    (long)getpid());
-    if (results_open(path, true, &p->config, model_scales(p->model), digest, &job.results, NULL) != DM2_OK)
+    if (results_open(path, true, &p->config, model_scales(p->model), &origin, &job.results, NULL) != DM2_OK)
         return;
     if (client_run(&job, options, &report, NULL) == DM2_OK)
         free(report.servers);

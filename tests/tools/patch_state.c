@@ -60,12 +60,7 @@ int main(int argc, char **argv)
     if (!(id < s.n_pairs && patch_pair(&s.pairs[id], argv[4], value)) &&
         (k == s.n_elements || !patch(&s.elements[k], argv[4], value)))
         return 2;
-    const struct state_view view = {.digest = s.digest,
-                                    .step = s.step,
-                                    .elements = s.elements,
-                                    .n_elements = s.n_elements,
-                                    .pairs = s.pairs,
-                                    .n_pairs = s.n_pairs};
+    const struct state_view view = state_view_of(&s);
     enum dm2_status status = state_write(argv[2], &view, &err);
     if (status != DM2_OK)
         printf("%s\n", err.text);

@@ -89,9 +89,10 @@ static inline void engine_start_file(struct engine *g, const char *path, const c
 static inline void engine_restore(struct engine *g, int64_t step, const struct engine_state *s)
 {
     for (int r = 0; r < g->map.ranks; r++) {
+        const struct state_view view = {
+            .step = step, .elements = s->e, .n_elements = s->n, .pairs = s->pair, .n_pairs = s->n_pairs};
         subdomain_free(g->sd[r]);
-        engine_must(g, subdomain_restore(g->model, &g->map, r, step, s->e, s->n, s->pair, s->n_pairs,
-                                         &g->sd[r], &g->err));
+        engine_must(g, subdomain_restore(g->model, &g->map, r, &view, &g->sd[r], &g->err));
     }
     rebuild_plan_done(&g->plan);
 }

@@ -45,6 +45,7 @@ static inline void fake_element(struct element *e, struct element_measure *m, si
         .was = (uint16_t)(i % 2),
         .share = {0.5, 0.25 / (double)(i + 1)},
         .moved = 0 - 1e-7 * (double)i, /* never -0 */
+        .damped = 3e-5 * (double)i,
     };
     *m = (struct element_measure){
         .stress = {1e-4 * (double)i, -2e-4 / (double)(i + 1), 1e-5},

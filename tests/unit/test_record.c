@@ -92,7 +92,7 @@ TEST(the_bytes_are_those_of_the_versions)
     static const struct {
         enum record_form form;
         uint32_t crc;
-    } want[] = {{RECORD_MIRROR, 0xbb70567f}, {RECORD_OWNED, 0x41149f2e}, {RECORD_STATE, 0xe9122192}};
+    } want[] = {{RECORD_MIRROR, 0xbb70567f}, {RECORD_OWNED, 0xd553679f}, {RECORD_STATE, 0x9727fd55}};
     const struct element e = {.id = 0x01020304,
                               .grain = 0xa1b2c3d4,
                               .body = 0x1122,
@@ -112,6 +112,7 @@ TEST(the_bytes_are_those_of_the_versions)
                               .strain = {0.5, -0.25, 1e-9},
                               .moved = -0.75,
                               .image = {-2, 0x01020304},
+                              .damped = 0.375,
                               .bonds = 0x778};
     struct bytes_writer w = {0};
     for (size_t k = 0; k < sizeof want / sizeof want[0]; k++) {
@@ -120,15 +121,15 @@ TEST(the_bytes_are_those_of_the_versions)
         CHECK_EQ_INT(crc32c(0, w.data, w.length), want[k].crc);
     }
     bytes_free(&w);
-    CHECK_EQ_INT(state_hash_element(&e), 0xc84d773f30a20c3e);
+    CHECK_EQ_INT(state_hash_element(&e), 0xafb92d4e126a2b88);
 }
 
 TEST(doubles_in_the_order_of_the_state_file)
 {
     const struct element e = record_sample(1);
     const double want[ELEMENT_DOUBLES] = {
-        e.radius, e.mass, e.r[0],      e.r[1],      e.v[0],      e.v[1],     e.w,        e.heat,
-        e.p,      e.work, e.strain[0], e.strain[1], e.strain[2], e.share[0], e.share[1], e.moved};
+        e.radius, e.mass,      e.r[0],      e.r[1],      e.v[0],     e.v[1],     e.w,     e.heat,  e.p,
+        e.work,   e.strain[0], e.strain[1], e.strain[2], e.share[0], e.share[1], e.moved, e.damped};
     double got[ELEMENT_DOUBLES];
     record_doubles(&e, got);
     for (int k = 0; k < ELEMENT_DOUBLES; k++)
@@ -163,6 +164,7 @@ TEST(every_field_through_the_arrays)
                             .has_pressure = true,
                             .has_kinds = true,
                             .has_strain = true,
+                            .has_damping = true,
                             .reaction = {.any = true, .reactant = {0, 1}, .product = 2}};
     const struct element e = record_sample(5), got = through_arrays(&m);
     const char *field = record_difference(&got, &e, false);
@@ -177,7 +179,7 @@ TEST(fields_that_no_physics_needs)
     const struct model m = {.config = &config, .kinds = kinds, .n_kinds = 3};
     struct element want = record_sample(5);
     const struct element got = through_arrays(&m);
-    want.p = want.work = want.moved = want.share[0] = want.share[1] = 0;
+    want.p = want.work = want.moved = want.damped = want.share[0] = want.share[1] = 0;
     want.strain[0] = want.strain[1] = want.strain[2] = 0;
     want.bonds = want.was = 0;
     want.image[0] = want.image[1] = 0;

@@ -16,7 +16,8 @@
 #include "dm2/output/state.h"
 #include "dm2/plot/vtp_reader.h"
 
-static const uint8_t digest[RESULTS_DIGEST_BYTES] = {9, 8, 7};
+static const struct state_origin origin = {
+    .digest = {9, 8, 7}, .next_id = UINT32_MAX, .next_grain = UINT32_MAX};
 static const struct measure_scales scales = {
     .energy = 80, .momentum = 80, .length = 60, .velocity = 80, .mass = 80, .volume = 80, .temperature = 60};
 
@@ -24,7 +25,7 @@ static struct results *open_results(const struct fake *f, const char *name, bool
 {
     struct results *r;
     struct dm2_error err = {0};
-    CHECK_EQ_INT(results_open(scratch_path(name), overwrite, &f->config, scales, digest, &r, &err), DM2_OK);
+    CHECK_EQ_INT(results_open(scratch_path(name), overwrite, &f->config, scales, &origin, &r, &err), DM2_OK);
     CHECK_STR(err.text, "");
     if (r == NULL)
         exit(1);
@@ -146,7 +147,7 @@ TEST(whole_run)
     vtp_free(&vtp);
     CHECK_EQ_INT(state_read(scratch_path("new/parents/run/final.dm2"), &s, &err), DM2_OK);
     CHECK_EQ_INT(s.n_pairs, f.n_pairs);
-    CHECK_EQ_INT(memcmp(s.digest, digest, sizeof digest), 0);
+    CHECK_EQ_INT(memcmp(s.origin.digest, origin.digest, sizeof origin.digest), 0);
     state_free(&s);
     char *log = scratch_read("new/parents/run/run.log", NULL);
     CHECK_STR(log, "log\n");
@@ -261,19 +262,19 @@ TEST(not_empty_is_an_error)
     fake_make(&f, 2, 2);
     mkdir(scratch_path("full"), 0777);
     scratch_write("full/notes.txt", "mine\n");
-    CHECK_EQ_INT(results_open(scratch_path("full"), false, &f.config, scales, digest, &r, &err), DM2_IO);
+    CHECK_EQ_INT(results_open(scratch_path("full"), false, &f.config, scales, &origin, &r, &err), DM2_IO);
     CHECK(r == NULL);
     CHECK_CONTAINS(err.text, scratch_path("full"));
     CHECK_CONTAINS(err.text, "is not empty; name another one with -o DIR, or give --overwrite");
     CHECK_EQ_INT(entries("full"), 1);
-    CHECK_EQ_INT(results_open(scratch_path("full/notes.txt"), true, &f.config, scales, digest, &r, &err),
+    CHECK_EQ_INT(results_open(scratch_path("full/notes.txt"), true, &f.config, scales, &origin, &r, &err),
                  DM2_IO);
     CHECK_CONTAINS(err.text, "full/notes.txt: cannot use it as the run directory: Not a directory");
     CHECK_EQ_INT(
-        results_open(scratch_path("full/notes.txt/below"), true, &f.config, scales, digest, &r, &err),
+        results_open(scratch_path("full/notes.txt/below"), true, &f.config, scales, &origin, &r, &err),
         DM2_IO);
     CHECK_CONTAINS(err.text, "full/notes.txt/below: cannot make the directory: Not a directory");
-    CHECK_EQ_INT(results_open("", true, &f.config, scales, digest, &r, &err), DM2_IO);
+    CHECK_EQ_INT(results_open("", true, &f.config, scales, &origin, &r, &err), DM2_IO);
     fake_free(&f);
 }
 
@@ -401,7 +402,7 @@ TEST(directory_that_cannot_be_written)
     struct results *r;
     struct dm2_error err = {0};
     fake_make(&f, 2, 2);
-    CHECK_EQ_INT(results_open("/proc/nowhere/run", false, &f.config, scales, digest, &r, &err), DM2_IO);
+    CHECK_EQ_INT(results_open("/proc/nowhere/run", false, &f.config, scales, &origin, &r, &err), DM2_IO);
     CHECK_CONTAINS(err.text, "/proc/nowhere: cannot make the directory");
     r = open_results(&f, "moved", false);
     CHECK_EQ_INT(rename(scratch_path("moved"), scratch_path("elsewhere")), 0);

@@ -1,47 +1,9 @@
 /* The state file: round trip, canonical bytes, every damage, and invalid content. */
 #include "check.h"
-#include "fake_state.h"
 #include "record_help.h"
-#include "scratch.h"
+#include "state_help.h"
 
-#include "dm2/base/crc32c.h"
 #include "dm2/engine/self_test.h"
-#include "dm2/output/state.h"
-
-static const uint8_t digest[STATE_DIGEST_BYTES] = {1, 2, 3, 0xff, 5};
-
-static enum dm2_status write_fake(const struct fake *f, const char *name)
-{
-    struct dm2_error err = {0};
-    const struct state_view view = {.digest = digest,
-                                    .step = 200,
-                                    .elements = f->elements,
-                                    .n_elements = f->n,
-                                    .pairs = f->pairs,
-                                    .n_pairs = f->n_pairs};
-    enum dm2_status status = state_write(scratch_path(name), &view, &err);
-    CHECK_STR(err.text, "");
-    return status;
-}
-
-static void write_bytes(const char *name, const char *bytes, size_t n)
-{
-    FILE *f = fopen(scratch_path(name), "wb");
-    CHECK(f != NULL && fwrite(bytes, 1, n, f) == n && fclose(f) == 0);
-}
-
-/* Reads the file `name`, which must fail, and returns the message. */
-static const char *read_failure(const char *name)
-{
-    static struct dm2_error err;
-    struct state s;
-    err.text[0] = '\0';
-    enum dm2_status status = state_read(scratch_path(name), &s, &err);
-    CHECK_REPORT(status == DM2_PROTOCOL, "status is %d, text '%s'", status, err.text);
-    CHECK(s.elements == NULL && s.pairs == NULL);
-    CHECK_CONTAINS(err.text, scratch_path(name));
-    return err.text;
-}
 
 TEST(round_trip)
 {
@@ -52,7 +14,18 @@ TEST(round_trip)
     write_fake(&f, "a.dm2");
     CHECK_EQ_INT(state_read(scratch_path("a.dm2"), &s, &err), DM2_OK);
     CHECK_STR(err.text, "");
-    CHECK_EQ_INT(memcmp(s.digest, digest, sizeof digest), 0);
+    CHECK_EQ_INT(memcmp(s.origin.digest, origin.digest, sizeof origin.digest), 0);
+    CHECK_EQ_INT(s.origin.n_start, 70);
+    CHECK_SAME_BITS(s.origin.t_start, 1.75);
+    CHECK_EQ_INT(s.origin.next_id, 3000);
+    CHECK_EQ_INT(s.origin.next_grain, 500);
+    CHECK_EQ_INT(s.origin.text_length, sizeof meaning - 1);
+    CHECK_STR(s.origin.text, meaning);
+    CHECK_EQ_INT(s.origin.n_names, 4);
+    for (size_t k = 0; k < s.origin.n_names && k < 4; k++) {
+        CHECK_EQ_INT(s.origin.names[k].sort, names[k].sort);
+        CHECK_STR(s.origin.names[k].text, names[k].text);
+    }
     CHECK_EQ_INT(s.step, 200);
     CHECK_EQ_INT(s.n_elements, f.n);
     CHECK_EQ_INT(s.n_pairs, f.n_pairs);
@@ -77,9 +50,12 @@ TEST(bytes_are_canonical)
     fake_make(&f, 3, 2);
     write_fake(&f, "b.dm2");
     char *bytes = scratch_read("b.dm2", &n);
-    CHECK_EQ_INT(n, 76 + 154 * f.n + 25 * f.n_pairs + 4);
-    CHECK_EQ_INT(memcmp(bytes, "DM2STATE\5\0\0\0\1\2\3\377\5", 17), 0);
-    CHECK_EQ_INT(memcmp(bytes + 52, "\310\0\0\0\0\0\0\0\6\0\0\0\0\0\0\0", 16), 0);
+    CHECK_EQ_INT(n, HEADER + 16 + TEXT + 16 + 64 * 4 + 16 + 162 * f.n + 16 + 25 * f.n_pairs + 4);
+    CHECK_EQ_INT(memcmp(bytes, "DM2STATE\6\0\0\0\1\2\3\377\5", 17), 0);
+    CHECK_EQ_INT(memcmp(bytes + 52, "\310\0\0\0\0\0\0\0\106\0\0\0\0\0\0\0\0\0\0\0\0\0\374\077", 24), 0);
+    CHECK_EQ_INT(memcmp(bytes + 76, "\270\13\0\0\364\1\0\0\4\0\0\0TEXT\1\0\0\0\070\0\0\0\0\0\0\0body", 32),
+                 0);
+    CHECK_EQ_INT(memcmp(bytes + ELEMENTS - 16, "ELEM\242\0\0\0\6\0\0\0\0\0\0\0", 16), 0);
     write_fake(&f, "c.dm2");
     char *again = scratch_read("c.dm2", NULL);
     CHECK_EQ_INT(memcmp(bytes, again, n), 0);
@@ -105,7 +81,7 @@ TEST(every_truncation)
     struct fake f;
     size_t n;
     fake_make(&f, 3, 2);
-    write_fake(&f, "d.dm2");
+    write_all(&f, "d.dm2");
     char *bytes = scratch_read("d.dm2", &n);
     for (size_t k = 0; k < n; k++) {
         write_bytes("cut.dm2", bytes, k);
@@ -116,21 +92,22 @@ TEST(every_truncation)
     fake_free(&f);
 }
 
-TEST(every_flipped_bit)
+/* Every bit of the header and of the first section's head, one bit of every other byte. */
+TEST(flipped_bits)
 {
     struct fake f;
-    size_t n;
+    size_t n, not_damaged = 0;
     fake_make(&f, 2, 2);
-    write_fake(&f, "e.dm2");
+    write_all(&f, "e.dm2");
     char *bytes = scratch_read("e.dm2", &n);
-    for (size_t bit = 0; bit < 8 * n; bit++) {
-        bytes[bit / 8] = (char)(bytes[bit / 8] ^ (1 << bit % 8));
-        write_bytes("flip.dm2", bytes, n);
-        const char *text = read_failure("flip.dm2");
-        if (bit >= 8 * 76)
-            CHECK_CONTAINS(text, "is damaged: its checksum");
-        bytes[bit / 8] = (char)(bytes[bit / 8] ^ (1 << bit % 8));
-    }
+    for (size_t at = 0; at < n; at++)
+        for (size_t bit = at < HEADER + 16 ? 0 : at % 8; bit < 8; bit += at < HEADER + 16 ? 1 : 8) {
+            bytes[at] = (char)(bytes[at] ^ (1 << bit));
+            write_bytes("flip.dm2", bytes, n);
+            not_damaged += strstr(read_failure("flip.dm2"), "is damaged: its checksum") == NULL;
+            bytes[at] = (char)(bytes[at] ^ (1 << bit));
+        }
+    CHECK(not_damaged <= 8 * (8 + 4 + 4 + 12) + 6 * 12); /* magic, version, number and lengths of sections */
     free(bytes);
     fake_free(&f);
 }
@@ -139,18 +116,21 @@ TEST(foreign_files)
 {
     write_bytes("x.dm2", "<?xml version=\"1.0\"?>", 21);
     CHECK_CONTAINS(read_failure("x.dm2"), "is not a dm2 state file");
-    write_bytes("x.dm2", "DM2STATE\5\0\0\0", 12);
+    write_bytes("x.dm2", "DM2STATE\6\0\0\0", 12);
     CHECK_CONTAINS(read_failure("x.dm2"), "is cut short");
-    char bytes[80] = "DM2STATE", of_version[40];
+    char bytes[128] = "DM2STATE", of_version[40];
     bytes[8] = STATE_VERSION + 1;
     (void)snprintf(of_version, sizeof of_version, "is a state of format version %d,", STATE_VERSION + 1);
     write_bytes("x.dm2", bytes, sizeof bytes);
     CHECK_CONTAINS(read_failure("x.dm2"), of_version);
     memset(bytes + 8, 0, sizeof bytes - 8);
     bytes[8] = STATE_VERSION;
-    memset(bytes + 60, 0xff, 8); /* 2^64 - 1 elements: neither allocated nor an overflow */
+    memset(bytes + 84, 0xff, 4);
     write_bytes("x.dm2", bytes, sizeof bytes);
-    CHECK_CONTAINS(read_failure("x.dm2"), "announces 18446744073709551615 elements");
+    CHECK_CONTAINS(read_failure("x.dm2"), "announces 4294967295 sections, and it ends in section 3");
+    memcpy(bytes + 88, "ELEM\242\0\0\0\377\377\377\377\377\377\377\377", 16);
+    write_bytes("x.dm2", bytes, sizeof bytes); /* 2^64 - 1 records: neither allocated nor an overflow */
+    CHECK_CONTAINS(read_failure("x.dm2"), "its section ELEM announces 18446744073709551615 records");
     struct state s;
     struct dm2_error err;
     CHECK_EQ_INT(state_read(scratch_path("absent.dm2"), &s, &err), DM2_IO);
@@ -258,15 +238,6 @@ TEST(indices_of_another_run)
         "deck has 2");
 }
 
-/* Writes changed bytes under a checksum that matches. */
-static void write_sealed(const char *name, char *bytes, size_t n)
-{
-    uint32_t crc = crc32c(0, bytes, n - 4);
-    for (int k = 0; k < 4; k++)
-        bytes[n - 4 + (size_t)k] = (char)(crc >> (8 * k));
-    write_bytes(name, bytes, n);
-}
-
 /* Swaps two records in the bytes, because state_write asserts the order in a debug build. */
 TEST(elements_out_of_order)
 {
@@ -274,10 +245,10 @@ TEST(elements_out_of_order)
     size_t n;
     fake_make(&f, 2, 2);
     write_fake(&f, "h.dm2");
-    char *bytes = scratch_read("h.dm2", &n), record[146];
-    memcpy(record, bytes + 76, 146);
-    memcpy(bytes + 76, bytes + 76 + 146, 146);
-    memcpy(bytes + 76 + 146, record, 146);
+    char *bytes = scratch_read("h.dm2", &n), record[162];
+    memcpy(record, bytes + ELEMENTS, 162);
+    memcpy(bytes + ELEMENTS, bytes + ELEMENTS + 162, 162);
+    memcpy(bytes + ELEMENTS + 162, record, 162);
     write_sealed("h.dm2", bytes, n);
     CHECK_CONTAINS(read_failure("h.dm2"), "element 0 is out of order or there twice");
     free(bytes);
@@ -317,5 +288,5 @@ TEST(end)
 }
 
 TEST_MAIN(CASE(begin), CASE(round_trip), CASE(bytes_are_canonical), CASE(no_elements), CASE(every_truncation),
-          CASE(every_flipped_bit), CASE(foreign_files), CASE(trailing_bytes), CASE(invalid_content),
+          CASE(flipped_bits), CASE(foreign_files), CASE(trailing_bytes), CASE(invalid_content),
           CASE(indices_of_another_run), CASE(elements_out_of_order), CASE(another_arithmetic), CASE(end))

@@ -17,9 +17,10 @@
 #include "dm2/deck/deck.h"
 #include "dm2/engine/measures.h"
 #include "dm2/engine/rebuild.h"
+#include "dm2/engine/section.h"
 #include "dm2/net/frame.h"
 
-enum { PROTOCOL_VERSION = 11 };
+enum { PROTOCOL_VERSION = 12 };
 
 enum { DEFAULT_PORT = 4702 }; /* of a server; written nowhere else */
 
@@ -147,9 +148,10 @@ enum state_purpose { STATE_SNAPSHOT = 1, STATE_FINAL = 2, STATE_COPY = 3 };
 
 struct state_message {
     int64_t step;
-    enum state_purpose purpose; /* a STATE_SNAPSHOT has measures after its elements */
-    bool last;                  /* no more STATE messages follow for this state */
-    size_t n_elements, n_pairs; /* n_elements elements, their measures, and n_pairs pairs follow */
+    enum state_purpose purpose;     /* a STATE_SNAPSHOT has measures after its elements */
+    bool last;                      /* no more STATE messages follow for this state */
+    size_t n_elements, n_pairs;     /* n_elements elements, their measures, n_pairs pairs, */
+    size_t sections[SECTION_COUNT]; /* and so many records of each further section follow */
 };
 
 /* Sums over a session, in seconds where nothing else is said. */
@@ -217,6 +219,7 @@ void message_put_next(struct bytes_writer *w, const struct next_message *m);
 void message_get_next(struct bytes_reader *r, struct next_message *m);
 void message_put_state(struct bytes_writer *w, const struct state_message *m);
 void message_get_state(struct bytes_reader *r, struct state_message *m);
+bool state_message_empty(const struct state_message *m); /* no records follow */
 void message_put_profile(struct bytes_writer *w, const struct profile_message *m);
 void message_get_profile(struct bytes_reader *r, struct profile_message *m);
 void message_put_done(struct bytes_writer *w, const struct done_message *m);

@@ -36,6 +36,7 @@ struct element {
     double strain[3]; /* xx, yy, xy, accumulated since the start; 0 in a deck that asks for no strain */
     double moved;     /* energy that changes of kind took out of bonds and spin since the start, g cm2/us2 */
     int32_t image[2]; /* sizes of the domain that wrapping took off r since the start; 0 where not periodic */
+    double damped;    /* energy that local damping took since the start, g cm2/us2; 0 without it */
     uint16_t bonds;   /* links at the start */
 };
 
@@ -54,20 +55,6 @@ struct element_measure {
     double temperature; /* K */
     uint32_t links;     /* linked pairs */
     uint32_t contacts;  /* pairs in contact */
-};
-
-/* A whole state, or a part of a state, for a reader; all pointers are borrowed. Elements are in id order,
- * pairs in (id_a, id_b) order. Where `elements` is NULL, the two functions give record k. */
-struct state_view {
-    const uint8_t *digest; /* of the deck, 32 bytes */
-    int64_t step;
-    const struct element *elements;
-    size_t n_elements;
-    const struct pair_record *pairs;
-    size_t n_pairs;
-    const void *records;
-    void (*element)(const void *records, size_t k, struct element *out);
-    void (*pair)(const void *records, size_t k, struct pair_record *out);
 };
 
 /* The index of the element with this id among n elements in id order; n where no element has the id. */

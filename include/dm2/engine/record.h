@@ -46,7 +46,7 @@ struct element_field {
     bool owner; /* known to the owner alone, 0 in a mirror */
 };
 
-enum { ELEMENT_FIELDS = 20, ELEMENT_DOUBLES = 16 };
+enum { ELEMENT_FIELDS = 21, ELEMENT_DOUBLES = 17 };
 
 /* In the order of messages (docs/protocol.md). */
 extern const struct element_field element_fields[ELEMENT_FIELDS];
@@ -59,7 +59,7 @@ enum record_form {
     RECORD_STATE   /* all fields, in the order of the state file (dm2/output/state.h) */
 };
 
-enum { RECORD_MIRROR_BYTES = 104, RECORD_BYTES = RECORD_MIRROR_BYTES + 50 };
+enum { RECORD_MIRROR_BYTES = 104, RECORD_BYTES = RECORD_MIRROR_BYTES + 58 };
 
 /* Appends an element: RECORD_MIRROR_BYTES or RECORD_BYTES bytes. Without memory the writer fails. */
 void record_put(struct bytes_writer *w, enum record_form form, const struct element *e);
@@ -68,9 +68,12 @@ void record_put(struct bytes_writer *w, enum record_form form, const struct elem
  * and *out is all 0. The values are not checked: see record_fault. */
 void record_get(struct bytes_reader *r, enum record_form form, struct element *out);
 
-/* The bounds of the records of a run: the numbers of elements, bodies, kinds and probes, and the deck. */
+/* The bounds of the records of a run: the numbers of elements, bodies, kinds, probes, bodies with walls,
+ * features of walls; the sections; the deck. */
 struct record_limits {
     size_t elements, bodies, kinds, probes; /* probes: at most PROBE_MAX */
+    size_t movers, features;
+    unsigned sections; /* section_has */
     bool periodic[2];
     const struct model *model; /* borrowed; NULL: records are not compared with the deck */
 };

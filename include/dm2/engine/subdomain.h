@@ -33,6 +33,7 @@
 #include "dm2/engine/model.h"
 #include "dm2/engine/profile.h"
 #include "dm2/engine/rebuild.h"
+#include "dm2/engine/section.h"
 
 /* The memory that a subdomain takes for each of its cells, beside its elements, bytes. */
 enum { SUBDOMAIN_CELL_BYTES = 49 };
@@ -45,11 +46,11 @@ struct subdomain;
 enum dm2_status subdomain_create(const struct model *model, const struct domain_map *map, int rank,
                                  struct subdomain **out, struct dm2_error *err);
 
-/* The same from the records of a state at `step`. `elements` (any order) hold at least all elements that
- * `rank` owns or mirrors, `pairs` at least all pairs with memory and an owned element; others are ignored. */
+/* The same from the records of a state, arrays in any order. state->elements hold at least all elements that
+ * `rank` owns or mirrors, pairs at least all pairs with memory and an owned element, sections at least all
+ * records of owned elements and of the run; others are ignored. */
 enum dm2_status subdomain_restore(const struct model *model, const struct domain_map *map, int rank,
-                                  int64_t step, const struct element *elements, size_t n_elements,
-                                  const struct pair_record *pairs, size_t n_pairs, struct subdomain **out,
+                                  const struct state_view *state, struct subdomain **out,
                                   struct dm2_error *err);
 void subdomain_free(struct subdomain *sd);
 
@@ -154,6 +155,11 @@ enum dm2_status subdomain_collect(const struct subdomain *sd, struct element *el
  * released by free(). */
 enum dm2_status subdomain_collect_pairs(const struct subdomain *sd, struct pair_record **pairs,
                                         size_t *n_pairs, struct dm2_error *err);
+
+/* Appends to out[SECTION_COUNT] the records of further sections: of owned elements, and on rank 0 those of
+ * the run. The caller frees them with section_free, also after a failure. */
+enum dm2_status subdomain_collect_sections(const struct subdomain *sd,
+                                           struct section_array out[SECTION_COUNT], struct dm2_error *err);
 
 /* Hands the state of the owned elements to `write` record by record (the functions of struct state_view), so
  * that a whole state never exists twice. Returns the status of `write`, or DM2_MEMORY. */

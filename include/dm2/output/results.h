@@ -36,16 +36,14 @@
 
 struct results;
 
-enum { RESULTS_DIGEST_BYTES = 32 };
-
 /* Makes the directory and its parents, or takes an empty one (dm2/output/run_directory.h). A directory that
  * is not empty is an error unless `overwrite`; then the files named above that an earlier run left in the
  * directory are removed, and nothing else. Call results_open after reading a checkpoint that may lie there.
- * `config` is borrowed for the life of *out; `scales` is model_scales() of its model; `digest` goes into
- * final.dm2. Opens history.csv and the tables of profiles and writes their headings. The caller ends *out
- * with results_close or results_abort; after a failure *out is NULL. */
+ * `config` and `origin` are borrowed for the life of *out; `scales` is model_scales() of its model; `origin`
+ * goes into states. Opens history.csv and the tables of profiles and writes their headings. The caller ends
+ * *out with results_close or results_abort; after a failure *out is NULL. */
 enum dm2_status results_open(const char *directory, bool overwrite, const struct config *config,
-                             struct measure_scales scales, const uint8_t digest[RESULTS_DIGEST_BYTES],
+                             struct measure_scales scales, const struct state_origin *origin,
                              struct results **out, struct dm2_error *err);
 
 /* results_open for a run that continues from a checkpoint of step `step` in the directory `source`, whose
@@ -55,12 +53,12 @@ enum dm2_status results_open(const char *directory, bool overwrite, const struct
  * tables lack rows from before the checkpoint; the message names the rows and the remedy. */
 enum dm2_status results_continue(const char *directory, bool overwrite, const char *source, int64_t step,
                                  const struct config *config, struct measure_scales scales,
-                                 const uint8_t digest[RESULTS_DIGEST_BYTES], struct results **out,
+                                 const struct state_origin *origin, struct results **out,
                                  struct dm2_error *err);
 
 /* Brings the tables to disk, then writes the state as checkpoint.dm2 and keeps the previous checkpoint as
  * checkpoint.prev.dm2. The rows up to state->step - 1 must have been added. The file gets the run's
- * digest. */
+ * origin. */
 enum dm2_status results_checkpoint(struct results *r, const struct state_view *state, struct dm2_error *err);
 
 /* The step of the newest checkpoint in the directory that this run wrote or continues from; -1: none. */
@@ -106,7 +104,7 @@ enum dm2_status results_snapshot(struct results *r, int64_t step, const struct e
                                  const struct element_measure *measured, size_t n_elements,
                                  const struct pair_record *pairs, size_t n_pairs, struct dm2_error *err);
 
-/* Writes final.dm2, with the run's digest. */
+/* Writes final.dm2, with the run's origin. */
 enum dm2_status results_final(struct results *r, const struct state_view *state, struct dm2_error *err);
 
 /* Writes or replaces a text of the run: `name` is "run.log" or "timing.csv". */

@@ -1,0 +1,41 @@
+/* The origin of a run's states: names in the order in which records number them, and the numbers of the next
+ * element and grain. */
+#include "dm2/engine/section.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "dm2/base/mem.h"
+#include "tables.h"
+
+static void add_name(struct state_origin *o, enum name_sort sort, const char *text)
+{
+    struct state_name *name = &o->names[o->n_names++];
+    name->sort = sort;
+    memcpy(name->text, text, strlen(text) + 1);
+}
+
+enum dm2_status state_origin_build(const struct model *model, struct state_origin *out, struct dm2_error *err)
+{
+    const struct config *c = model->config;
+    size_t kinds = config_kinds(c);
+    *out = (struct state_origin){.next_id = (uint32_t)model->n_elements,
+                                 .next_grain = (uint32_t)model->n_grains,
+                                 .names = mem_zalloc(kinds + c->n_bodies, sizeof *out->names)};
+    if (out->names == NULL)
+        return dm2_fail(err, DM2_MEMORY, "no memory for the names of a state");
+    for (size_t k = 0; k < kinds; k++) {
+        struct kind_name name;
+        add_name(out, NAME_KIND, config_kind_name(c, k, &name));
+    }
+    for (size_t b = 0; b < c->n_bodies; b++)
+        add_name(out, NAME_BODY, c->bodies[b].name);
+    return DM2_OK;
+}
+
+void state_origin_free(struct state_origin *origin)
+{
+    free(origin->text);
+    free(origin->names);
+    *origin = (struct state_origin){.n_start = 0};
+}
