@@ -8,7 +8,7 @@
 #include "dm2/base/mem.h"
 #include "dm2/base/text.h"
 #include "dm2/base/version.h"
-#include "dm2/deck/digest.h"
+#include "dm2/deck/meaning.h"
 #include "dm2/engine/subdomain.h"
 #include "dm2/output/run_directory.h"
 #include "places.h"
@@ -117,13 +117,10 @@ static enum dm2_status read_state(const char *path, const struct run *run, struc
     if (status != DM2_OK)
         return status;
     size_t n = model_elements(run->model);
-    char here[SHA256_TEXT], there[SHA256_TEXT];
-    if (memcmp(out->origin.digest, run->origin.digest, STATE_DIGEST_BYTES) != 0) {
-        sha256_text(run->origin.digest, here);
-        sha256_text(out->origin.digest, there);
-        status = dm2_fail(err, DM2_PROTOCOL,
-                          "%s: belongs to another deck: its digest is %s, this deck's with its -D %s", path,
-                          there, here);
+    char difference[MEANING_DIFFERENCE];
+    if (meaning_difference(out->origin.text, out->origin.text_length, run->origin.text,
+                           run->origin.text_length, difference)) {
+        status = dm2_fail(err, DM2_PROTOCOL, "%s: belongs to another deck: %s", path, difference);
     } else if (out->n_elements != n || (n > 0 && out->elements[n - 1].id != n - 1)) {
         status =
             dm2_fail(err, DM2_PROTOCOL, "%s: has %zu elements, the deck makes %zu", path, out->n_elements, n);
@@ -211,8 +208,6 @@ enum dm2_status run_load(const struct run_options *o, struct run *run, struct dm
         status = build_model(o, run, err);
     if (status == DM2_OK)
         status = state_origin_build(run->model, &run->origin, err);
-    if (status == DM2_OK)
-        deck_digest(&run->source, run->origin.digest);
     if (status == DM2_OK && o->restart != NULL)
         status = read_restart(o, run, err);
     if (status != DM2_OK)

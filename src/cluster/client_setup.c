@@ -13,7 +13,7 @@
 #include "dm2/base/hmac.h"
 #include "dm2/base/mem.h"
 #include "dm2/cluster/inquiry.h"
-#include "dm2/deck/digest.h"
+#include "dm2/deck/meaning.h"
 #include "dm2/engine/self_test.h"
 #include "state_parts.h"
 
@@ -298,15 +298,19 @@ static enum dm2_status send_deck(struct client *c, bool texts, struct dm2_error 
     char name[DECK_NAME_MAX + 1];
     (void)snprintf(name, sizeof name, "%s", name_deck(c->options->deck_path));
     m.name = name;
-    deck_digest(c->job->source, m.digest);
+    struct deck_meaning meaning;
+    enum dm2_status status = meaning_build(c->job->config, PARTS_ALL, &meaning, err);
+    if (status != DM2_OK)
+        return status;
+    memcpy(m.digest, meaning.digest, sizeof m.digest);
+    meaning_free(&meaning);
     bytes_clear(&c->talk.out);
     message_put_deck(&c->talk.out, &m);
     if (c->talk.out.length > LIMIT_DECK)
         return dm2_fail(err, DM2_DECK, "the deck's texts have %zu bytes, at most %d can be sent",
                         c->talk.out.length, (int)LIMIT_DECK);
     for (int k = 0; k < c->ranks; k++) {
-        enum dm2_status status =
-            c->answers[k].loaded == 0 ? conversation_send(&c->talk, k, MESSAGE_DECK, err) : DM2_OK;
+        status = c->answers[k].loaded == 0 ? conversation_send(&c->talk, k, MESSAGE_DECK, err) : DM2_OK;
         if (status != DM2_OK)
             return status;
     }

@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 
 #include "dm2/base/mem.h"
-#include "dm2/deck/digest.h"
+#include "dm2/deck/meaning.h"
 
 /* Is a component of the path ".."? */
 static bool has_parent_component(const char *name)
@@ -78,15 +78,19 @@ static bool read_own_copy(struct session *s)
     return true;
 }
 
+/* Compares the meaning of the loaded deck with the client's. */
 static enum dm2_status check_digest(const struct session *s, bool own_copy, struct dm2_error *err)
 {
-    unsigned char digest[SHA256_BYTES];
+    struct deck_meaning meaning;
     char here[SHA256_TEXT], there[SHA256_TEXT];
-    deck_digest(&s->deck.source, digest);
-    if (memcmp(digest, s->deck.digest, SHA256_BYTES) == 0)
-        return DM2_OK;
-    sha256_text(digest, here);
+    enum dm2_status status = meaning_build(&s->config, PARTS_ALL, &meaning, err);
+    if (status != DM2_OK)
+        return status;
+    sha256_text(meaning.digest, here);
     sha256_text(s->deck.digest, there);
+    meaning_free(&meaning);
+    if (strcmp(here, there) == 0)
+        return DM2_OK;
     return dm2_fail(err, DM2_PROTOCOL,
                     "the deck '%.100s' differs: digest %s on the client, %s on the server%s", s->deck.name,
                     there, here, own_copy ? ": bring the copies together, or use --send-deck" : "");
@@ -137,7 +141,7 @@ static enum dm2_status check_elements(const struct session *s, struct dm2_error 
         model_elements(s->model), (unsigned long long)most);
 }
 
-static enum dm2_status load_deck(struct session *s, struct dm2_error *err)
+static enum dm2_status load_deck(struct session *s, bool own_copy, struct dm2_error *err)
 {
     struct deck_report report = {0};
     enum dm2_status status = deck_load(&s->deck.source, &s->config, &report);
@@ -146,6 +150,8 @@ static enum dm2_status load_deck(struct session *s, struct dm2_error *err)
         status = dm2_fail(err, status, "the deck does not load: %s",
                           report.text == NULL ? "no memory" : report.text);
     deck_report_free(&report);
+    if (status == DM2_OK)
+        status = check_digest(s, own_copy, err);
     if (status == DM2_OK)
         status = check_steps(s, err);
     if (status == DM2_OK)
@@ -193,9 +199,7 @@ enum dm2_status server_get_deck(struct session *s, struct dm2_error *err)
         (void)snprintf(s->summary->deck, sizeof s->summary->deck, "%s", s->deck.name);
         bool own_copy = !s->deck.with_texts && read_own_copy(s);
         if (s->deck.with_texts || own_copy) {
-            status = check_digest(s, own_copy, err);
-            if (status == DM2_OK)
-                status = load_deck(s, err);
+            status = load_deck(s, own_copy, err);
             return status == DM2_OK ? send_answer(s, 1, err) : status;
         }
         status = send_answer(s, 0, err);

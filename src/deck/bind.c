@@ -307,20 +307,11 @@ static void finish_profile(struct deck_binding *b, size_t block, void *item)
         profile->every = c->steps / 20 > 1 ? c->steps / 20 : 1;
 }
 
-/* The blocks of one kind, each of which fills one item of an array of the config. An item begins with its
- * name. `finish` sets the defaults that depend on other values. */
-struct thing {
-    size_t most, size;   /* the most items of a deck; bytes of an item */
-    size_t items, count; /* offsets in struct config: the array, the number of its items */
-    const void *initial; /* an item before the schema's defaults; NULL: zeros */
-    void (*finish)(struct deck_binding *b, size_t block, void *item); /* NULL: none */
-};
-
 static const struct reaction_config initial_reaction = {.reactant = {-1, -1}, .product = -1};
 static const struct void_config initial_void = {.body = -1};
 static const struct flaw_config initial_flaw = {.body = -1};
 
-static const struct thing things[BLOCK_COUNT] = {
+static const struct deck_things things[BLOCK_COUNT] = {
     [BLOCK_MATERIAL] = {MATERIAL_MAX, sizeof(struct material_config), offsetof(struct config, materials),
                         offsetof(struct config, n_materials), NULL, NULL},
     [BLOCK_REACTION] = {REACTION_MAX, sizeof(struct reaction_config), offsetof(struct config, reactions),
@@ -337,10 +328,15 @@ static const struct thing things[BLOCK_COUNT] = {
                        offsetof(struct config, n_profiles), NULL, finish_profile},
 };
 
+const struct deck_things *binding_things(enum block_kind kind)
+{
+    return &things[kind];
+}
+
 /* Fills the array of things[kind] from all blocks of this kind. False: no memory. */
 static bool bind_things(struct deck_binding *b, enum block_kind kind)
 {
-    const struct thing *thing = &things[kind];
+    const struct deck_things *thing = &things[kind];
     const size_t *blocks = b->blocks[kind];
     size_t n = collect_blocks(b, kind, thing->most, b->blocks[kind], 0);
     char *items = mem_zalloc(n, thing->size);

@@ -23,6 +23,18 @@ struct deck_binding {
                                     kind; of config->rules: blocks[BLOCK_INTERACTION] */
 };
 
+/* The blocks of one kind, each of which fills one item of an array of the config. An item begins with its
+ * name. `finish` sets the defaults that depend on other values. */
+struct deck_things {
+    size_t most, size;   /* the most items of a deck; bytes of an item */
+    size_t items, count; /* offsets in struct config: the array, the number of its items */
+    const void *initial; /* an item before the schema's defaults; NULL: zeros */
+    void (*finish)(struct deck_binding *b, size_t block, void *item); /* NULL: none */
+};
+
+/* All 0 for blocks that fill no such array. */
+const struct deck_things *binding_things(enum block_kind kind);
+
 /* Fills *b and b->config. Both are empty at the start, except for b->tree, b->findings and b->config. `steps`
  * is the value of --steps, -1: none. A real value that was given but does not read is NaN, any other such
  * value has its default. False: no memory. */

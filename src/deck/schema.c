@@ -51,15 +51,16 @@ static const struct deck_key domain_keys[] = {
     {"r_c", VALUE_REAL, 1, LENGTH, POSITIVE, .required = true, .offset = offsetof(struct config, r_c),
      .meaning = "R_c, the distance up to which elements can interact"},
     {"delta_r", VALUE_REAL, 1, LENGTH, POSITIVE, .required = true, .offset = offsetof(struct config, delta_r),
-     .meaning = "dR, the least margin of the neighbour lists beyond interaction"},
+     .part = PART_WAYS, .meaning = "dR, the least margin of the neighbour lists beyond interaction"},
     {"search", VALUE_CHOICE, 1, PLAIN, ANY, .choices = "cells+lists|lists|cells", .initial = "cells+lists",
-     .offset = offsetof(struct config, search),
+     .offset = offsetof(struct config, search), .part = PART_WAYS,
      .meaning = "how pairs are found; the results are the same, bit for bit"},
     {"rebuild_every", VALUE_WHOLE, 1, PLAIN, NOT_NEGATIVE, .initial = "0",
-     .offset = offsetof(struct config, rebuild_every),
+     .offset = offsetof(struct config, rebuild_every), .part = PART_WAYS,
      .meaning = "0: lists are rebuilt when the elements' displacements demand it; K: also every K steps"},
     {"balance", VALUE_CHOICE, 1, PLAIN, ANY, .choices = "space|particles", .initial = "space",
-     .offset = offsetof(struct config, balance), .meaning = "what the servers get equal parts of"},
+     .offset = offsetof(struct config, balance), .part = PART_WAYS,
+     .meaning = "what the servers get equal parts of"},
     {"gravity", VALUE_REAL, 2, ACCELERATION, ANY, .initial = "0 0",
      .offset = offsetof(struct config, gravity), .meaning = "a constant acceleration of every element"},
 };
@@ -68,7 +69,7 @@ static const struct deck_key time_keys[] = {
     {"dt", VALUE_REAL, 1, TIME, POSITIVE, .required = true, .offset = offsetof(struct config, dt),
      .meaning = "the time step: at most 0.5 of the limit that `--check` prints"},
     {"steps", VALUE_WHOLE, 1, PLAIN, NOT_NEGATIVE, .required = true, .offset = offsetof(struct config, steps),
-     .meaning = "number of time steps; `--steps` on the command line replaces it"},
+     .part = PART_LOOKS, .meaning = "number of time steps; `--steps` on the command line replaces it"},
 };
 
 static const struct deck_key material_keys[] = {
@@ -298,28 +299,29 @@ static const struct deck_key probe_keys[] = {
 #define FIELD(f) .offset = offsetof(struct profile_config, f)
 static const struct deck_key profile_keys[] = {
     {"axis", VALUE_CHOICE, 1, PLAIN, ANY, .required = true, .choices = "x|y", FIELD(axis),
-     .meaning = "the axis that is cut into bins"},
+     .part = PART_COLUMNS, .meaning = "the axis that is cut into bins"},
     {"bins", VALUE_WHOLE, 1, PLAIN, .low = 1, .high = 10000, .required = true, FIELD(bins),
-     .meaning = "how many bins"},
-    {"range", VALUE_REAL, 2, LENGTH, ANY, .initial = "the domain", FIELD(range),
+     .part = PART_COLUMNS, .meaning = "how many bins"},
+    {"range", VALUE_REAL, 2, LENGTH, ANY, .initial = "the domain", FIELD(range), .part = PART_COLUMNS,
      .meaning = "from where to where the bins reach; elements outside are in none"},
     {"every", VALUE_WHOLE, 1, PLAIN, .low = 1, .high = HUGE_VAL, .initial = "steps/20, at least 1",
-     FIELD(every), .meaning = "steps between profiles; the last state has one in any case"},
+     FIELD(every), .part = PART_LOOKS,
+     .meaning = "steps between profiles; the last state has one in any case"},
 };
 #undef FIELD
 
 #define FIELD(f) .offset = offsetof(struct config, output.f)
 static const struct deck_key output_keys[] = {
     {"history_every", VALUE_WHOLE, 1, PLAIN, .low = 1, .high = HUGE_VAL, .initial = "steps/200, at least 150",
-     FIELD(history_every), .meaning = "steps between rows of history.csv"},
+     FIELD(history_every), .part = PART_LOOKS, .meaning = "steps between rows of history.csv"},
     {"snapshot_every", VALUE_WHOLE, 1, PLAIN, NOT_NEGATIVE, .initial = "0", FIELD(snapshot_every),
-     .meaning = "steps between snapshots; 0: none but those of `snapshot_at`"},
+     .part = PART_LOOKS, .meaning = "steps between snapshots; 0: none but those of `snapshot_at`"},
     {"snapshot_at", VALUE_STEPS, 1, PLAIN, NOT_NEGATIVE, .initial = "none", FIELD(snapshot_at),
-     .meaning = "further steps to take a snapshot at, in any order"},
+     .part = PART_LOOKS, .meaning = "further steps to take a snapshot at, in any order"},
     {"checkpoint_every", VALUE_WHOLE, 1, PLAIN, NOT_NEGATIVE, .initial = "0", FIELD(checkpoint_every),
-     .meaning = "steps between checkpoints, from which `--restart` continues; 0: none"},
+     .part = PART_LOOKS, .meaning = "steps between checkpoints, from which `--restart` continues; 0: none"},
     {"format", VALUE_FORMATS, 1, PLAIN, ANY, .choices = "vtp|xyz", .initial = "vtp", FIELD(vtp),
-     .meaning = "of snapshots: `vtp` (ParaView), `xyz` (OVITO), or both"},
+     .part = PART_LOOKS, .meaning = "of snapshots: `vtp` (ParaView), `xyz` (OVITO), or both"},
     {"strain", VALUE_FLAG, 1, PLAIN, ANY, .choices = "no|yes", .initial = "no", FIELD(strain),
      .meaning = "is the strain of the elements measured, for snapshots; it costs some time at every step"},
 };

@@ -7,6 +7,7 @@
 #include <stddef.h>
 
 #include "dm2/base/words.h"
+#include "dm2/deck/meaning.h"
 #include "units.h"
 
 enum block_kind {
@@ -55,6 +56,7 @@ struct deck_key {
     size_t offset; /* in the struct that the block fills; unused for VALUE_MATERIAL, VALUE_MIX, VALUE_STEPS
                       and VALUE_FORMATS */
     const char *meaning;
+    enum deck_part part;
 };
 
 struct block_schema {

@@ -1,11 +1,12 @@
-/* The origin of a run's states: names in the order in which records number them, and the numbers of the next
- * element and grain. */
+/* The origin of a run's states: the deck's meaning, names in the order in which records number them, and the
+ * numbers of the next element and grain. */
 #include "dm2/engine/section.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "dm2/base/mem.h"
+#include "dm2/deck/meaning.h"
 #include "tables.h"
 
 static void add_name(struct state_origin *o, enum name_sort sort, const char *text)
@@ -30,6 +31,15 @@ enum dm2_status state_origin_build(const struct model *model, struct state_origi
     }
     for (size_t b = 0; b < c->n_bodies; b++)
         add_name(out, NAME_BODY, c->bodies[b].name);
+    struct deck_meaning meaning;
+    enum dm2_status status = meaning_build(c, 1u << PART_MEANING, &meaning, err);
+    if (status != DM2_OK) {
+        state_origin_free(out);
+        return status;
+    }
+    out->text = meaning.text;
+    out->text_length = meaning.length;
+    memcpy(out->digest, meaning.digest, sizeof out->digest);
     return DM2_OK;
 }
 

@@ -18,6 +18,7 @@
 #include "dm2/base/crc32c.h"
 #include "dm2/base/file.h"
 #include "dm2/base/mem.h"
+#include "dm2/base/sha256.h"
 #include "dm2/base/text.h"
 #include "dm2/engine/self_test.h"
 
@@ -290,6 +291,13 @@ static enum dm2_status get_text(struct bytes_reader *r, const char *path, struct
         return dm2_fail(err, DM2_MEMORY, "%s: no memory for its text", path);
     memcpy(o->text, text, n);
     o->text_length = n;
+    unsigned char digest[SHA256_BYTES];
+    struct sha256 s;
+    sha256_start(&s);
+    sha256_add(&s, text, n);
+    sha256_finish(&s, digest);
+    if (memcmp(digest, o->digest, sizeof digest) != 0)
+        return refuse_file(path, err, "section TEXT is not the text of the state's digest");
     if (memchr(text, 0, n) != NULL)
         return refuse_file(path, err, "section TEXT has a byte that is no text");
     return DM2_OK;

@@ -16,8 +16,12 @@
 #include "dm2/output/state.h"
 #include "dm2/plot/vtp_reader.h"
 
-static const struct state_origin origin = {
-    .digest = {9, 8, 7}, .next_id = UINT32_MAX, .next_grain = UINT32_MAX};
+static const struct state_origin origin = {.digest = {0xe3, 0xb0, 0xc4, 0x42, 0x98, 0xfc, 0x1c, 0x14, 0x9a,
+                                                      0xfb, 0xf4, 0xc8, 0x99, 0x6f, 0xb9, 0x24, 0x27, 0xae,
+                                                      0x41, 0xe4, 0x64, 0x9b, 0x93, 0x4c, 0xa4, 0x95, 0x99,
+                                                      0x1b, 0x78, 0x52, 0xb8, 0x55}, /* SHA-256 of no text */
+                                           .next_id = UINT32_MAX,
+                                           .next_grain = UINT32_MAX};
 static const struct measure_scales scales = {
     .energy = 80, .momentum = 80, .length = 60, .velocity = 80, .mass = 80, .volume = 80, .temperature = 60};
 

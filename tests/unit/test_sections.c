@@ -184,7 +184,7 @@ static size_t swap_names(char *bytes, size_t n)
 
 static size_t spoil_text(char *bytes, size_t n)
 {
-    bytes[HEADER + 16 + 3] = 0;
+    bytes[HEADER + 16 + 3] = 'Y';
     return n;
 }
 
@@ -208,8 +208,13 @@ TEST(spoiled_sections)
                    "section HOME names element 4, which is not in the state");
     CHECK_CONTAINS(change_sections(spoil_name), "section NAME: record 1 is no name, or out of order");
     CHECK_CONTAINS(change_sections(swap_names), "section NAME: record 1 is no name, or out of order");
-    CHECK_CONTAINS(change_sections(spoil_text), "section TEXT has a byte that is no text");
+    CHECK_CONTAINS(change_sections(spoil_text), "section TEXT is not the text of the state's digest");
 }
+
+static const uint8_t no_text[STATE_DIGEST_BYTES] = {0xe3, 0xb0, 0xc4, 0x42, 0x98, 0xfc, 0x1c, 0x14, 0x9a,
+                                                    0xfb, 0xf4, 0xc8, 0x99, 0x6f, 0xb9, 0x24, 0x27, 0xae,
+                                                    0x41, 0xe4, 0x64, 0x9b, 0x93, 0x4c, 0xa4, 0x95, 0x99,
+                                                    0x1b, 0x78, 0x52, 0xb8, 0x55}; /* SHA-256 of no text */
 
 /* The numbers of the header against each other and against the elements. */
 TEST(spoiled_origin)
@@ -232,7 +237,9 @@ TEST(spoiled_origin)
     fake_make(&f, 2, 2);
     for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
         struct state_view view = view_of(&f);
-        view.origin = &cases[k].origin;
+        struct state_origin other = cases[k].origin;
+        memcpy(other.digest, no_text, sizeof no_text);
+        view.origin = &other;
         view.step = cases[k].step;
         write_view(&view, "l.dm2");
         CHECK_CONTAINS(read_failure("l.dm2"), cases[k].want);

@@ -51,7 +51,7 @@ TEST(bytes_are_canonical)
     write_fake(&f, "b.dm2");
     char *bytes = scratch_read("b.dm2", &n);
     CHECK_EQ_INT(n, HEADER + 16 + TEXT + 16 + 64 * 4 + 16 + 162 * f.n + 16 + 25 * f.n_pairs + 4);
-    CHECK_EQ_INT(memcmp(bytes, "DM2STATE\6\0\0\0\1\2\3\377\5", 17), 0);
+    CHECK_EQ_INT(memcmp(bytes, "DM2STATE\6\0\0\0\372\071\174\321\262", 17), 0);
     CHECK_EQ_INT(memcmp(bytes + 52, "\310\0\0\0\0\0\0\0\106\0\0\0\0\0\0\0\0\0\0\0\0\0\374\077", 24), 0);
     CHECK_EQ_INT(memcmp(bytes + 76, "\270\13\0\0\364\1\0\0\4\0\0\0TEXT\1\0\0\0\070\0\0\0\0\0\0\0body", 32),
                  0);

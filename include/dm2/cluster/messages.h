@@ -94,7 +94,7 @@ struct place_message {
 /* `source` is complete with texts; without texts it holds only defines and steps. */
 struct deck_message {
     bool with_texts;
-    unsigned char digest[SHA256_BYTES]; /* deck_digest of the client's source */
+    unsigned char digest[SHA256_BYTES]; /* of the deck's meaning, all parts */
     char *name;                         /* of a file below the server's deck directory */
     struct deck_source source;
 };
