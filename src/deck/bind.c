@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bind_loads.h"
 #include "dm2/base/mem.h"
 
 static const struct deck_block *block_at(const struct deck_binding *b, size_t block)
@@ -74,7 +75,8 @@ static void check_single(struct deck_binding *b, size_t block)
 static bool kind_is_named(enum block_kind kind)
 {
     return kind == BLOCK_MATERIAL || kind == BLOCK_BODY || kind == BLOCK_PROBE || kind == BLOCK_PROFILE ||
-           kind == BLOCK_VOID || kind == BLOCK_FLAW || kind == BLOCK_PHASE || kind == BLOCK_REACTION;
+           kind == BLOCK_VOID || kind == BLOCK_FLAW || kind == BLOCK_PHASE || kind == BLOCK_REACTION ||
+           kind == BLOCK_LOAD;
 }
 
 /* Checks the number of names between the word and the brace, and whether they are valid names. */
@@ -488,6 +490,29 @@ static bool bind_rules(struct deck_binding *b)
     return ok;
 }
 
+/* --- loads --- */
+
+static bool bind_loads(struct deck_binding *b)
+{
+    size_t n = collect_blocks(b, BLOCK_LOAD, LOAD_MAX, b->blocks[BLOCK_LOAD], 0);
+    size_t *blocks = b->blocks[BLOCK_LOAD];
+    name_text *names = mem_zalloc(n, sizeof *names);
+    b->blocks[BLOCK_LOAD] = mem_zalloc(n * LOAD_QUANTITIES, sizeof *blocks);
+    b->config->loads = mem_zalloc(n * LOAD_QUANTITIES, sizeof *b->config->loads);
+    bool ok = names != NULL && b->blocks[BLOCK_LOAD] != NULL && b->config->loads != NULL &&
+              (n == 0 || name_things(b, blocks, n, names[0], sizeof *names));
+    for (size_t i = 0; i < n && ok; i++) {
+        struct load_block read = load_block_start();
+        schema_defaults(schema_block(BLOCK_LOAD), &read);
+        read_block(b, blocks[i], &read);
+        memcpy(read.common.name, names[i], sizeof names[i]);
+        ok = load_bind(b, blocks[i], &read);
+    }
+    free(names);
+    free(blocks);
+    return ok;
+}
+
 static void bind_single(struct deck_binding *b, enum block_kind kind)
 {
     size_t block = b->single[kind];
@@ -508,7 +533,7 @@ bool deck_bind(struct deck_binding *b, int64_t steps)
     schema_defaults(schema_block(BLOCK_OUTPUT), c);
     c->output.vtp = true;
     bool ok = bind_things(b, BLOCK_MATERIAL) && bind_phases(b) && bind_things(b, BLOCK_REACTION) &&
-              bind_rules(b) && bind_things(b, BLOCK_BODY) && bind_things(b, BLOCK_VOID) &&
+              bind_rules(b) && bind_things(b, BLOCK_BODY) && bind_loads(b) && bind_things(b, BLOCK_VOID) &&
               bind_things(b, BLOCK_FLAW) && bind_things(b, BLOCK_PROBE);
     bind_single(b, BLOCK_DOMAIN);
     bind_single(b, BLOCK_TIME);

@@ -64,6 +64,15 @@ int binding_material(struct deck_binding *b, struct deck_place name);
 /* The index of the body that a value names; bodies must be bound. -1: no such body, a finding was added. */
 int binding_body(struct deck_binding *b, struct deck_place name);
 
+/* The index of the body or wall that a value names; bodies and walls must be bound. -1: none, a finding was
+ * added. */
+int binding_mover(struct deck_binding *b, struct deck_place name);
+
+/* The i-th value of an entry as a number of the keyword's dimension and within the keyword's limits. False: a
+ * finding was added. */
+bool value_read_real(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
+                     size_t i, double *out);
+
 /* A double as messages show it: the fewest digits that read back to the same double. Returns `out->text`. */
 struct number_text {
     char text[NUMBER_TEXT_MAX];

@@ -62,5 +62,6 @@ bool deck_check(const struct deck_binding *b)
     check_output(b);
     check_profiles(b);
     check_walls(b);
+    check_loads(b);
     return check_bodies(b);
 }

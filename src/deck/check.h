@@ -15,6 +15,7 @@ bool deck_check(const struct deck_binding *b);
 bool check_bodies(const struct deck_binding *b);
 void check_materials(const struct deck_binding *b);
 void check_chemistry(const struct deck_binding *b); /* phases and the reaction */
+void check_loads(const struct deck_binding *b);     /* loads, and the spins of bodies */
 void check_walls(const struct deck_binding *b);     /* the sizes of walls' elements */
 
 #endif

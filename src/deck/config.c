@@ -68,6 +68,24 @@ const char *config_kind_name(const struct config *c, size_t kind, struct kind_na
     return out->text;
 }
 
+size_t config_movers(const struct config *c)
+{
+    return c->n_bodies;
+}
+
+const char *config_mover_name(const struct config *c, size_t mover)
+{
+    return c->bodies[mover].name;
+}
+
+const struct load_config *config_load(const struct config *c, size_t mover, enum load_quantity quantity)
+{
+    for (size_t i = 0; i < c->n_loads; i++)
+        if (c->loads[i].mover == mover && c->loads[i].quantity == quantity)
+            return &c->loads[i];
+    return NULL;
+}
+
 double config_contact_distance(const struct config *c)
 {
     double most = 0;
@@ -95,6 +113,12 @@ void config_free(struct config *c)
 {
     for (size_t i = 0; i < c->n_bodies; i++)
         free(c->bodies[i].packing_place);
+    for (size_t i = 0; i < c->n_loads; i++) {
+        free(c->loads[i].time);
+        free(c->loads[i].value);
+        free(c->loads[i].mass_place);
+    }
+    free(c->loads);
     free(c->dt_place);
     free(c->materials);
     free(c->phases);

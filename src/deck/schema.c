@@ -8,37 +8,9 @@
 #include <string.h>
 
 #include "dm2/deck/config.h"
+#include "keys.h"
 
 _Static_assert(sizeof(enum potential_kind) == sizeof(int), "a choice is stored as an int");
-
-#define DIM(l, m, t, k)                                                                                      \
-    {                                                                                                        \
-        l, m, t, k, 0                                                                                        \
-    }
-#define PLAIN           DIM(0, 0, 0, 0)
-#define LENGTH          DIM(1, 0, 0, 0)
-#define MASS            DIM(0, 1, 0, 0)
-#define TIME            DIM(0, 0, 1, 0)
-#define TEMPERATURE     DIM(0, 0, 0, 1)
-#define PER_TEMPERATURE DIM(0, 0, 0, -1)
-#define VELOCITY        DIM(1, 0, -1, 0)
-#define ACCELERATION    DIM(1, 0, -2, 0)
-#define DENSITY         DIM(-3, 1, 0, 0)
-#define STRESS          DIM(-1, 1, -2, 0)
-#define PER_STRESS      DIM(1, -1, 2, 0)
-#define STIFFNESS       DIM(0, 1, -2, 0)
-#define ENERGY          DIM(2, 1, -2, 0)
-#define HEAT_CAPACITY   DIM(2, 0, -2, -1)
-#define CONDUCTIVITY    DIM(1, 1, -3, -1)
-#define SPECIFIC_ENERGY DIM(2, 0, -2, 0)
-#define MOLAR_ENERGY                                                                                         \
-    {                                                                                                        \
-        2, 1, -2, 0, -1                                                                                      \
-    }
-
-#define ANY          .low = -HUGE_VAL, .high = HUGE_VAL
-#define POSITIVE     .low = 0, .low_open = true, .high = HUGE_VAL
-#define NOT_NEGATIVE .low = 0, .high = HUGE_VAL
 
 static const struct deck_key domain_keys[] = {
     {"size", VALUE_REAL, 2, LENGTH, POSITIVE, .required = true, .offset = offsetof(struct config, size),
@@ -272,6 +244,9 @@ static const struct deck_key body_keys[] = {
     {"jitter", VALUE_REAL, 1, VELOCITY, NOT_NEGATIVE, .initial = "0", FIELD(jitter),
      .meaning =
          "random part of each element's velocity: each component is uniform within plus or minus this"},
+    {"spin", VALUE_REAL, 1, SPIN, ANY, .initial = "0", FIELD(spin),
+     .meaning = "angular velocity about the centroid, counter-clockwise: of a free body at the start, of a "
+                "driven one always"},
     {"temperature", VALUE_REAL, 1, TEMPERATURE, NOT_NEGATIVE, .initial = "300", FIELD(temperature),
      .meaning = "at the start"},
 };
@@ -340,6 +315,7 @@ static const struct block_schema blocks[BLOCK_COUNT] = {
     [BLOCK_BODY] = {"body", "a name", false, true, KEYS(body_keys)},
     [BLOCK_VOID] = {"void", "a name", false, false, KEYS(void_keys)},
     [BLOCK_FLAW] = {"flaw", "a name", false, false, KEYS(flaw_keys)},
+    [BLOCK_LOAD] = {"load", "a name", false, false, load_keys, LOAD_KEYS},
     [BLOCK_PROBE] = {"probe", "a name", false, false, KEYS(probe_keys)},
     [BLOCK_PROFILE] = {"profile", "a name", false, false, KEYS(profile_keys)},
     [BLOCK_OUTPUT] = {"output", "nothing", true, false, KEYS(output_keys)},

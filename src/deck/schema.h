@@ -21,6 +21,7 @@ enum block_kind {
     BLOCK_BODY,
     BLOCK_VOID,
     BLOCK_FLAW,
+    BLOCK_LOAD,
     BLOCK_PROBE,
     BLOCK_PROFILE,
     BLOCK_OUTPUT,
@@ -37,6 +38,9 @@ enum value_type {
     VALUE_MATERIALS, /* `count` names of materials, stored as ints, the indices of the materials */
     VALUE_NAME,      /* one word, stored as a name_text */
     VALUE_BODY,      /* the name of a body */
+    VALUE_MOVERS,    /* `count` names of bodies or walls, stored as size_t, the indices of the movers */
+    VALUE_FILE,      /* a file name in quotes */
+    VALUE_POINTS,    /* pairs of a time and a value of the dimension, stored as a struct load_points */
     VALUE_MIX,       /* names of materials, each with a fraction */
     VALUE_STEPS,     /* a list of steps */
     VALUE_FORMATS    /* a list of vtp, xyz */

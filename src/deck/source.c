@@ -1,9 +1,9 @@
 /* Reads a deck and the files that it includes; afterwards the deck is a list of texts that can be sent.
  *
  * An include is found by its tokens: the word `include` at the beginning of a statement outside braces, and a
- * string after it. deck_load reports an invalid include, with its place; deck_source_read reports only files
- * that cannot be read, and too many files. A file that is included twice is read once, so that a cycle
- * ends. */
+ * string after it; the table of a load likewise, by `file = "x"` in a block `load`. deck_load reports an
+ * invalid include, with its place; deck_source_read reports only files that cannot be read, and too many
+ * files. A file that is included twice is read once, so that a cycle ends. */
 #include "source.h"
 
 #include <stdio.h>
@@ -139,6 +139,7 @@ struct reading {
     bool (*may)(void *context, const char *name); /* NULL: every file may be read */
     void *context;
     const struct deck_roots *roots; /* NULL: files are looked for beside the including file alone */
+    bool table[DECK_MAX_TEXTS];     /* of each text: is it the table of a load, which includes nothing? */
 };
 
 static bool begins_with(const struct deck_text *t, const char *bytes, size_t n)
@@ -266,6 +267,34 @@ static enum dm2_status read_included(struct reading *reading, size_t includer, c
     return add_file(reading, name, by, err);
 }
 
+/* Reads the file that the string token `at` names: an included text, or a table. */
+static enum dm2_status read_named(struct reading *reading, size_t text, const struct tokens *tokens,
+                                  size_t at, bool table, struct dm2_error *err)
+{
+    size_t before = reading->source->n_texts;
+    enum dm2_status status = read_included(reading, text, tokens, at, err);
+    if (table && reading->source->n_texts > before)
+        reading->table[before] = true;
+    return status;
+}
+
+/* Reads what the statement that begins at token `at` names: `include "x"` outside braces, `file = "x"` in a
+ * block `load`. */
+static enum dm2_status read_statement(struct reading *reading, size_t text, const struct tokens *tokens,
+                                      size_t at, int open, bool in_load, struct dm2_error *err)
+{
+    const struct token *t = &tokens->items[at];
+    struct deck_place place = {(int)text, t->offset, t->length};
+    if (t->kind != TOKEN_WORD)
+        return DM2_OK;
+    if (open == 0 && t[1].kind == TOKEN_STRING && place_is(reading->source, place, "include"))
+        return read_named(reading, text, tokens, at + 1, false, err);
+    if (open == 1 && in_load && at + 2 < tokens->n && t[1].kind == '=' && t[2].kind == TOKEN_STRING &&
+        place_is(reading->source, place, "file"))
+        return read_named(reading, text, tokens, at + 2, true, err);
+    return DM2_OK;
+}
+
 static enum dm2_status read_includes(struct reading *reading, size_t text, struct dm2_error *err)
 {
     const struct deck_source *source = reading->source;
@@ -278,15 +307,16 @@ static enum dm2_status read_includes(struct reading *reading, size_t text, struc
     (void)deck_lex(source->texts[text].text, source->texts[text].length, (int)text, &reading->budget, &tokens,
                    ignored);
     int open = 0;
-    bool begins = true;
+    bool begins = true, in_load = false;
     for (size_t i = 0; status == DM2_OK && i + 1 < tokens.n; i++) {
         int kind = tokens.items[i].kind;
         struct deck_place place = {(int)text, tokens.items[i].offset, tokens.items[i].length};
-        if (begins && open == 0 && kind == TOKEN_WORD && place_is(source, place, "include") &&
-            tokens.items[i + 1].kind == TOKEN_STRING)
-            status = read_included(reading, text, &tokens, i + 1, err);
+        if (begins && open == 0 && kind == TOKEN_WORD)
+            in_load = place_is(source, place, "load");
+        if (begins)
+            status = read_statement(reading, text, &tokens, i, open, in_load, err);
         open += kind == '{' ? 1 : kind == '}' && open > 0 ? -1 : 0;
-        begins = kind == TOKEN_NEWLINE || kind == ';' || kind == '}';
+        begins = kind == TOKEN_NEWLINE || kind == ';' || kind == '}' || kind == '{';
     }
     free(tokens.items);
     free(ignored);
@@ -316,7 +346,7 @@ static enum dm2_status read_deck(const char *path, struct reading *reading, stru
     enum dm2_status status = add_file(reading, name, "", err);
     /* n_texts grows during the loop, because files include further files. */
     for (size_t i = 0; status == DM2_OK && i < out->n_texts; i++)
-        status = read_includes(reading, i, err);
+        status = reading->table[i] ? DM2_OK : read_includes(reading, i, err);
     if (status != DM2_OK)
         deck_source_free(out);
     return status;

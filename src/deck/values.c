@@ -8,6 +8,7 @@
 
 #include "dm2/base/mem.h"
 #include "bind.h"
+#include "bind_loads.h"
 #include "expr.h"
 
 /* Every whole number up to 2^53 is exact as a double. */
@@ -97,6 +98,12 @@ static bool read_real(struct deck_binding *b, const struct deck_key *key, const 
         return false;
     *out = q.value;
     return true;
+}
+
+bool value_read_real(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
+                     size_t i, double *out)
+{
+    return read_real(b, key, entry, i, out);
 }
 
 static bool read_whole(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
@@ -305,6 +312,52 @@ int binding_body(struct deck_binding *b, struct deck_place name)
     return -1;
 }
 
+static const char *mover_name(const void *context, size_t i)
+{
+    return config_mover_name(context, i);
+}
+
+int binding_mover(struct deck_binding *b, struct deck_place name)
+{
+    size_t n = config_movers(b->config);
+    for (size_t i = 0; i < n; i++)
+        if (place_is(b->tree->source, name, config_mover_name(b->config, i)))
+            return (int)i;
+    struct word_list known = {mover_name, b->config, n};
+    struct place_text text;
+    struct word_hint hint;
+    if (!b->tree->incomplete)
+        findings_error(b->findings, name, "there is no body '%s'%s", place_text(b->tree->source, name, &text),
+                       words_hint(&known, place_bytes(b->tree->source, name), name.length, &hint));
+    return -1;
+}
+
+static bool read_movers(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
+                        size_t *out)
+{
+    bool ok = true;
+    if (!check_count(b, key, entry, (size_t)key->count))
+        return false;
+    for (int i = 0; i < key->count; i++) {
+        int mover = binding_mover(b, word_at(b, entry, (size_t)i));
+        ok = ok && mover >= 0;
+        if (mover >= 0)
+            out[i] = (size_t)mover;
+    }
+    return ok;
+}
+
+/* The value is read by bind_loads, because the columns of a file fill several loads. */
+static bool read_file_name(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry)
+{
+    if (!check_count(b, key, entry, 1))
+        return false;
+    if (node_at(b, entry, 0)->kind == NODE_STRING)
+        return true;
+    findings_error(b->findings, node_at(b, entry, 0)->place, "'%s' is a file name in quotes", key->name);
+    return false;
+}
+
 static bool read_body(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
                       int *out)
 {
@@ -430,6 +483,15 @@ bool value_read(struct deck_binding *b, const struct deck_key *key, struct deck_
         break;
     case VALUE_BODY:
         ok = read_body(b, key, entry, at);
+        break;
+    case VALUE_MOVERS:
+        ok = read_movers(b, key, entry, at);
+        break;
+    case VALUE_FILE:
+        ok = read_file_name(b, key, entry);
+        break;
+    case VALUE_POINTS:
+        ok = load_read_points(b, key, entry, at);
         break;
     case VALUE_MIX:
         ok = read_mix(b, key, entry, base);

@@ -140,6 +140,9 @@ static enum dm2_status build_tables(struct model *m, struct dm2_error *err)
         return status;
     for (size_t i = 0; i < m->n_kinds; i++)
         m->has_heat |= isfinite(m->kinds[i].tm) && isfinite(m->kinds[i].cp) && m->has_near;
+    status = motion_build(m, err);
+    if (status != DM2_OK)
+        return status;
     m->has_strain = c->output.strain;
     if (m->has_strain && !m->has_near)
         return dm2_fail(err, DM2_DECK,
@@ -196,6 +199,7 @@ void model_free(struct model *m)
     free(m->laws);
     free(m->body_first);
     free(m->grain_first);
+    motion_free(m);
     free(m);
 }
 

@@ -10,6 +10,7 @@
 #include "dm2/deck/config.h"
 #include "dm2/engine/model.h"
 #include "law.h"
+#include "motion.h"
 
 /* A kind of element: a material in one of its phases. Kind i is material i in its first phase for i <
  * n_materials; the phases of the deck follow. */
@@ -82,6 +83,9 @@ struct model {
     uint32_t *grain_first; /* [n_grains + 1] likewise of each grain */
     struct fixed_scales fixed;
     struct measure_scales scales;
+    int64_t n_start;                  /* the step and the time at which the stage begins */
+    double t_start;                   /* us */
+    struct motion_table *load_tables; /* [n_loads] */
 };
 
 /* The law of an ordered pair of kinds. */

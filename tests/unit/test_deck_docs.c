@@ -41,6 +41,15 @@ static void value_text(const struct deck_key *key, char *out, size_t size)
     case VALUE_NAME:
         (void)snprintf(out, size, key->count > 1 ? "names" : "name");
         break;
+    case VALUE_MOVERS:
+        (void)snprintf(out, size, key->count > 1 ? "names" : "name");
+        break;
+    case VALUE_FILE:
+        (void)snprintf(out, size, "file name");
+        break;
+    case VALUE_POINTS:
+        (void)snprintf(out, size, "points: time, us, then %s", u);
+        break;
     case VALUE_MIX:
         (void)snprintf(out, size, "names and numbers");
         break;

@@ -29,6 +29,21 @@ enum reaction_kind { REACTION_STOICHIOMETRIC, REACTION_NON_STOICHIOMETRIC };
 enum structure_kind { STRUCTURE_CRYSTAL, STRUCTURE_POLYCRYSTAL, STRUCTURE_DISCS, STRUCTURE_POLYGONS };
 enum shape_kind { SHAPE_RECTANGLE, SHAPE_DISC, SHAPE_POLYGON };
 
+/* What a load prescribes in time. The keyword of each is in the schema's block `load`, in this order. */
+enum load_quantity {
+    LOAD_VELOCITY_X, /* cm/us; of a driven body or a wall, as the next five */
+    LOAD_VELOCITY_Y,
+    LOAD_SPIN,    /* 1/us, counter-clockwise, about the centroid */
+    LOAD_FORCE_X, /* Mbar cm2 */
+    LOAD_FORCE_Y,
+    LOAD_STRESS_XX, /* Mbar, tension positive */
+    LOAD_STRESS_YY,
+    LOAD_TEMPERATURE,    /* K, of any body or wall */
+    LOAD_ACCELERATION_X, /* cm/us2, of a free body */
+    LOAD_ACCELERATION_Y,
+    LOAD_QUANTITIES
+};
+
 /* material NAME { ... } */
 struct material_config {
     name_text name;
@@ -135,8 +150,32 @@ struct body_config {
         motion;         /* free, fixed, or driven: moves with `velocity` at all times, whatever the forces */
     double velocity[2]; /* cm/us */
     double jitter; /* each velocity component is uniform in +-jitter about `velocity`, cm/us; default 0 */
+    double spin;   /* 1/us about the centroid: of a free body at the start, of a driven one always */
     double temperature; /* K, default 300 */
 };
+
+/* The index of a body or a wall: bodies in deck order, then walls in deck order. */
+enum { MOVER_MAX = 2 * 65535 };
+#define MOVER_NONE ((size_t)-1)
+
+/* load NAME { ... }: one quantity of a body or a wall as a function of time, linear between points. A block
+ * with several quantities gives as many loads of one name. */
+struct load_config {
+    name_text name;
+    size_t mover;
+    enum load_quantity quantity;
+    size_t n;          /* points, 2 to LOAD_POINTS_MAX */
+    double *time;      /* [n] us, ascending */
+    double *value;     /* [n] */
+    bool repeat;       /* the points are one period; default: the first and the last value hold beyond */
+    double length;     /* cm, across the load, on which a stress acts; NaN: by `between` or by the mover */
+    size_t between[2]; /* movers whose gap is that length; MOVER_NONE: not given */
+    double zeta; /* damping of a mover under a force or a stress, fraction of the critical; default 0.7 */
+    double max_velocity; /* cm/us, of a mover under a force or a stress; NaN: by the load */
+    double mass;         /* g, of a mover under a force or a stress; NaN: by the time step */
+    char *mass_place;    /* place of `mass`, or of the load, in the deck, for config_fail; NULL: unknown */
+};
+enum { LOAD_POINTS_MAX = 100000 };
 
 /* void NAME { ... }: no element of the body, or of any body, has its centre in the shape. */
 struct void_config {
@@ -191,7 +230,7 @@ struct config {
     char *dt_place; /* place of `dt` in the deck, for config_fail; NULL: unknown */
     int64_t steps;
     double gravity[2]; /* body acceleration, cm/us2 */
-    size_t n_materials, n_phases, n_reactions, n_bodies, n_probes, n_profiles, n_voids, n_flaws;
+    size_t n_materials, n_phases, n_reactions, n_bodies, n_probes, n_profiles, n_voids, n_flaws, n_loads;
     struct material_config *materials;
     struct phase_config *phases;       /* in deck order: kind n_materials + i is phase i */
     struct reaction_config *reactions; /* none or one */
@@ -200,6 +239,7 @@ struct config {
     struct profile_config *profiles;
     struct void_config *voids;
     struct flaw_config *flaws;
+    struct load_config *loads;
     struct output_config output;
     struct interaction_rule *rules; /* rules of interactions, resolved by config_interaction */
     size_t n_rules;
@@ -215,6 +255,13 @@ static inline size_t config_kinds(const struct config *c)
 {
     return c->n_materials + c->n_phases;
 }
+
+/* The number of movers, and the name of one. */
+size_t config_movers(const struct config *c);
+const char *config_mover_name(const struct config *c, size_t mover);
+
+/* The load with this quantity of this mover; NULL: none. */
+const struct load_config *config_load(const struct config *c, size_t mover, enum load_quantity quantity);
 
 /* The contact distance of the two largest elements, cm; 0 without a body whose radius is known. */
 double config_contact_distance(const struct config *c);
