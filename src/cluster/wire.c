@@ -7,6 +7,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "dm2/base/mem.h"
 #include "dm2/deck/config.h"
@@ -230,6 +231,39 @@ static struct element *get_elements(struct bytes_reader *r, const struct record_
     return e;
 }
 
+/* The homes of migrants, in their order; of a migrant without a record the home is 0 0. */
+static void put_homes(struct bytes_writer *w, const struct parcel *p)
+{
+    size_t at = w->length;
+    uint32_t n = 0;
+    bytes_put_u32(w, 0);
+    for (size_t k = 0; k < p->n_migrants; k++) {
+        const double *home = p->migrants[k].home;
+        const struct home_record record = {p->migrants[k].id, {home[0], home[1]}};
+        if (home[0] == 0.0 && home[1] == 0.0)
+            continue;
+        section_kinds[SECTION_HOME].put(w, &record);
+        n++;
+    }
+    if (!w->failed)
+        bytes_patch_u32(w, at, n);
+}
+
+static void get_homes(struct bytes_reader *r, const struct record_limits *limits, struct parcel *p)
+{
+    const struct section_kind *kind = &section_kinds[SECTION_HOME];
+    size_t n = bytes_get_count(r, kind->bytes), at = 0;
+    for (size_t k = 0; k < n && !r->failed; k++, at++) {
+        struct home_record home;
+        kind->get(r, &home);
+        while (at < p->n_migrants && p->migrants[at].id != home.id)
+            at++;
+        fail_unless(r, at < p->n_migrants && kind->valid(&home, limits, NULL));
+        if (!r->failed)
+            memcpy(p->migrants[at].home, home.home, sizeof home.home);
+    }
+}
+
 void wire_put_parcel(struct bytes_writer *w, const struct parcel *p)
 {
     if (p->n_migrants > UINT32_MAX || p->n_pairs > UINT32_MAX || p->n_mirrors > UINT32_MAX) {
@@ -241,6 +275,7 @@ void wire_put_parcel(struct bytes_writer *w, const struct parcel *p)
     for (size_t k = 0; k < p->n_pairs; k++)
         wire_put_pair(w, &p->pairs[k]);
     put_elements(w, p->mirrors, p->n_mirrors, true);
+    put_homes(w, p);
 }
 
 void wire_get_parcel(struct bytes_reader *r, const struct record_limits *limits, struct parcel *out)
@@ -253,6 +288,7 @@ void wire_get_parcel(struct bytes_reader *r, const struct record_limits *limits,
     for (size_t k = 0; k < out->n_pairs && !r->failed; k++)
         wire_get_pair(r, limits, &out->pairs[k]);
     out->mirrors = get_elements(r, limits, &out->n_mirrors, true);
+    get_homes(r, limits, out);
     if (r->failed)
         wire_parcel_free(out);
 }

@@ -111,6 +111,23 @@ static void check_ends(const struct deck_binding *b, size_t i)
                        number_text(load->value[load->n - 1], &last));
 }
 
+/* A body under a force keeps the velocity of its block along the other axis. */
+static void check_force_alone(const struct deck_binding *b, size_t i)
+{
+    const struct load_config *load = load_at(b, i);
+    bool spins = load->mover < b->config->n_bodies && b->config->bodies[load->mover].spin != 0;
+    for (size_t k = 0; k < b->config->n_loads && is_force(load->quantity); k++) {
+        enum load_quantity q = load_at(b, k)->quantity;
+        if (load_at(b, k)->mover == load->mover && (q <= LOAD_SPIN || spins)) {
+            findings_error(b->findings, load_place(b, spins ? i : k),
+                           "the body '%s' is under a force: it does not turn, and along the other axis it "
+                           "keeps the velocity of its block",
+                           config_mover_name(b->config, load->mover));
+            return;
+        }
+    }
+}
+
 /* Refuses the keywords of forces and stresses for other loads, and contradictions among them. */
 static void check_force_keys(const struct deck_binding *b, size_t i)
 {
@@ -138,8 +155,8 @@ static void check_force_keys(const struct deck_binding *b, size_t i)
             findings_error(b->findings, load_place(b, i),
                            "'%s' acts on a side, and the domain is periodic in %c: it has no side there",
                            quantity_name(load->quantity), "xy"[a]);
-    if (load->quantity < LOAD_QUANTITIES)
-        findings_error(b->findings, load_place(b, i), "'%s': loads are not computed yet",
+    if (is_force(load->quantity))
+        findings_error(b->findings, load_place(b, i), "'%s': bodies under a force are not computed yet",
                        quantity_name(load->quantity));
 }
 
@@ -147,7 +164,7 @@ static void check_force_keys(const struct deck_binding *b, size_t i)
 
 /* A body that turns about its centroid: through no periodic side onto itself, and within the range of
  * angles. `fastest`: of its spins, 1/us. */
-__attribute__((unused)) static void check_turn(const struct deck_binding *b, size_t body, struct deck_place place, double fastest)
+static void check_turn(const struct deck_binding *b, size_t body, struct deck_place place, double fastest)
 {
     const struct config *c = b->config;
     double box[4], angle = fastest * (double)c->steps * c->dt;
@@ -177,7 +194,7 @@ static void check_body_spin(const struct deck_binding *b, size_t i)
         findings_error(b->findings, place,
                        "the body '%s' is fixed: it has no spin; 'motion = driven' keeps one", body->name);
     else
-        findings_error(b->findings, place, "spins are not computed yet");
+        check_turn(b, i, place, fabs(body->spin));
 }
 
 void check_loads(const struct deck_binding *b)
@@ -193,6 +210,7 @@ void check_loads(const struct deck_binding *b)
             continue;
         check_twice(b, i);
         check_body_of(b, i);
+        check_force_alone(b, i);
         double fastest = 0;
         for (size_t k = 0; k < load->n; k++)
             fastest = fmax(fastest, fabs(load->value[k]));

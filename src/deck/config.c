@@ -86,6 +86,16 @@ const struct load_config *config_load(const struct config *c, size_t mover, enum
     return NULL;
 }
 
+bool config_is_placed(const struct config *c, size_t body)
+{
+    if (c->bodies[body].motion != MOTION_DRIVEN)
+        return false;
+    for (int q = LOAD_VELOCITY_X; q <= LOAD_SPIN; q++)
+        if (config_load(c, body, (enum load_quantity)q) != NULL)
+            return true;
+    return c->bodies[body].spin != 0;
+}
+
 double config_contact_distance(const struct config *c)
 {
     double most = 0;

@@ -95,10 +95,28 @@ struct generation {
     uint64_t id;    /* of the next element */
     uint64_t grain; /* of the next grain */
     size_t body;
-    bool has_voids;       /* some void applies to this body */
-    struct grain_set set; /* the grains of this body, if any */
-    double apart;         /* least distance of elements of two grains, cm */
+    bool has_voids;            /* some void applies to this body */
+    bool turns;                /* this body has a centroid: it turns, or follows a table */
+    bool placed;               /* its elements have homes */
+    struct rigid_motion start; /* its velocity, where it is placed, and its spin */
+    double temperature;        /* of this body at the start, K */
+    struct grain_set set;      /* the grains of this body, if any */
+    double apart;              /* least distance of elements of two grains, cm */
 };
+
+/* Sets home, velocity and spin of an element at r, not wrapped, of a body that follows a table or turns. */
+static void start_motion(const struct generation *g, const double r[2], struct element *e)
+{
+    const double *centroid = g->model->centroids != NULL ? &g->model->centroids[2 * g->body] : NULL;
+    const struct rigid_motion *start = &g->start;
+    for (int a = 0; a < 2; a++)
+        e->home[a] = centroid != NULL ? r[a] - centroid[a] : r[a];
+    e->v[0] = (g->placed ? start->vx : e->v[0]) - start->spin * e->home[1];
+    e->v[1] = (g->placed ? start->vy : e->v[1]) + start->spin * e->home[0];
+    e->w = start->spin;
+    if (!g->placed && centroid != NULL)
+        e->home[0] = e->home[1] = 0.0;
+}
 
 static enum dm2_status make_element(struct generation *g, uint64_t grain, const double r[2],
                                     struct dm2_error *err)
@@ -126,8 +144,10 @@ static enum dm2_status make_element(struct generation *g, uint64_t grain, const 
         if (b->jitter > 0.0)
             e.v[a] += b->jitter * (2.0 * random_uniform(b->seed, id, RANDOM_VELOCITY_X + a) - 1.0);
     }
+    if (g->turns)
+        start_motion(g, r, &e);
     if (isfinite(kind->cp))
-        e.heat = e.mass * kind->cp * (b->temperature - kind->t0);
+        e.heat = e.mass * kind->cp * (g->temperature - kind->t0);
     for (int a = 0; a < 2 && model->reaction.any; a++)
         e.share[a] = material == model->reaction.reactant[a] ? 1.0 : 0.0;
     e.probes = find_probes(c, e.r, b->spacing);
@@ -282,6 +302,21 @@ static enum dm2_status fill_grains(struct generation *g, struct dm2_error *err)
     return status;
 }
 
+/* Sets what the elements of the body under way have in common at the start. */
+static void start_body(struct generation *g)
+{
+    const struct model *m = g->model;
+    const struct config *c = m->config;
+    const struct load_config *held = config_load(c, g->body, LOAD_TEMPERATURE);
+    g->turns = motion_needs_centroid(m, g->body);
+    g->placed = m->placed[g->body];
+    g->start = (struct rigid_motion){.spin = c->bodies[g->body].spin};
+    if (g->placed)
+        motion_at(m, g->body, m->n_start, &g->start);
+    g->temperature =
+        held != NULL ? motion_load(m, (size_t)(held - c->loads), m->n_start) : c->bodies[g->body].temperature;
+}
+
 enum dm2_status generate_elements(const struct model *model, element_sink sink, void *context,
                                   struct dm2_error *err)
 {
@@ -289,6 +324,7 @@ enum dm2_status generate_elements(const struct model *model, element_sink sink, 
     struct generation g = {.model = model, .sink = sink, .context = context};
     for (g.body = 0; g.body < c->n_bodies; g.body++) {
         uint64_t first = g.id;
+        start_body(&g);
         g.has_voids = false;
         for (size_t k = 0; k < c->n_voids; k++)
             g.has_voids |= c->voids[k].body < 0 || (size_t)c->voids[k].body == g.body;

@@ -11,6 +11,7 @@
 
 #include "dm2/base/number.h"
 #include "dm2/base/simd.h"
+#include "drive.h"
 #include "lists.h"
 
 double leapfrog_kick_time(const struct model *m, int64_t step)
@@ -29,11 +30,30 @@ struct kick {
     double heat_now;    /* freed at once, g cm2/us2 */
     double heat_damped; /* of the kick, corrected, with conduction, g cm2/us2 */
     double force[2];    /* total pair force, Mbar cm2 */
+    double torque;      /* total pair torque, Mbar cm3; where the deck has drives */
 };
 
-/* near: the deck has near pairs; without near pairs pair_sum is not valid. dt: of the kick, us. */
+/* The changes of slot i that a drive makes: to the velocity and the spin of the next half step, where the
+ * elements of the body follow their homes, or by an acceleration. */
+static void drive_kick(const struct particles *p, size_t i, const struct body_drive *d, double dt,
+                       struct kick *k)
+{
+    if (d->placed) {
+        double v[2];
+        drive_velocity(d, p->home + 2 * i, v);
+        k->dv[0] = v[0] - p->v[2 * i];
+        k->dv[1] = v[1] - p->v[2 * i + 1];
+        k->dw = d->w - p->w[i];
+    } else if (d->pushed) {
+        k->dv[0] += d->a[0] * dt;
+        k->dv[1] += d->a[1] * dt;
+    }
+}
+
+/* near: the deck has near pairs; without near pairs pair_sum is not valid. drives: p->drives. dt: of the
+ * kick, us. */
 DM2_INLINE struct kick find_kick(const struct model *m, const struct particles *p, size_t i, double dt,
-                                 bool near)
+                                 bool near, const struct body_drive *drives)
 {
     const int64_t *s = near ? p->pair_sum + SUM_COUNT * i : NULL;
     const struct fixed_scales *x = &m->fixed;
@@ -51,6 +71,10 @@ DM2_INLINE struct kick find_kick(const struct model *m, const struct particles *
             (double)s[SUM_TORQUE] * x->over_torque * (2.0 * over_mass / (p->radius[i] * p->radius[i])) * dt;
     if (p->flags[i] & ELEMENT_FIXED_MOTION)
         k.dv[0] = k.dv[1] = k.dw = 0.0;
+    if (near && drives != NULL)
+        k.torque = (double)s[SUM_TORQUE] * x->over_torque;
+    if (drives != NULL)
+        drive_kick(p, i, &drives[p->body[i]], dt, &k);
     if (near) {
         double lost = (double)s[SUM_DX] * x->over_force * k.dv[0] +
                       (double)s[SUM_DY] * x->over_force * k.dv[1] +
@@ -65,7 +89,7 @@ void leapfrog_whole_velocity(const struct model *m, const struct particles *p, s
                              double v[2], double *w)
 {
     double share = step == 0 ? 0.0 : 0.5; /* step 0 starts at the whole step */
-    struct kick k = find_kick(m, p, i, leapfrog_kick_time(m, step), m->has_near);
+    struct kick k = find_kick(m, p, i, leapfrog_kick_time(m, step), m->has_near, p->drives);
     for (size_t a = 0; a < 2; a++)
         v[a] = p->v[2 * i + a] + share * k.dv[a];
     *w = p->w[i] + share * k.dw;
@@ -125,6 +149,27 @@ static double find_drive_power(const struct particles *p, size_t i, const struct
     return -(k->force[0] * p->v[2 * i] + k->force[1] * p->v[2 * i + 1]);
 }
 
+/* Kinetic energy of slot i with these velocities. */
+static inline double find_kinetic(const struct particles *p, size_t i, const double v[2], double w)
+{
+    double inertia = 0.5 * p->mass[i] * (p->radius[i] * p->radius[i]);
+    return 0.5 * p->mass[i] * (v[0] * v[0] + v[1] * v[1]) + 0.5 * inertia * w * w;
+}
+
+/* The work on slot i by a drive, up to a share of the step's kick: 1 for the whole of it. Of an element that
+ * follows its home the power is that of the pair forces with the mean of the two half steps, and the change
+ * of kinetic energy counts; step 0 begins with the velocity at the start. `mean`: 1/2, and 0 at step 0. */
+static double find_drive_work(const struct particles *p, size_t i, const struct body_drive *d,
+                              const struct kick *k, double dt, double share, double mean)
+{
+    const double *v = p->v + 2 * i, w = p->w[i], middle[2] = {v[0] + mean * k->dv[0], v[1] + mean * k->dv[1]};
+    if (!d->placed)
+        return d->pushed ? share * dt * p->mass[i] * (d->a[0] * middle[0] + d->a[1] * middle[1]) : 0.0;
+    double end = share == 1.0 ? 1.0 : mean, to[2] = {v[0] + end * k->dv[0], v[1] + end * k->dv[1]};
+    double power = k->force[0] * middle[0] + k->force[1] * middle[1] + k->torque * (w + mean * k->dw);
+    return find_kinetic(p, i, to, w + end * k->dw) - find_kinetic(p, i, v, w) - share * dt * power;
+}
+
 /* Adds the part of slot i to the measures of this step. False where a value leaves the range of its sum. */
 static bool measure_element(const struct model *m, const struct particles *p, size_t i, int64_t step,
                             const struct kick *k, struct measures *out)
@@ -136,7 +181,10 @@ static bool measure_element(const struct model *m, const struct particles *p, si
     double x = particles_unwrapped(p, m, i, 0), y = particles_unwrapped(p, m, i, 1),
            work = p->work != NULL ? p->work[i] : 0.0;
     double temperature = number_plus_zero(particles_temperature(p, m, i));
-    if (p->flags[i] & ELEMENT_FIXED_MOTION)
+    const struct body_drive *drive = p->drives != NULL ? &p->drives[p->body[i]] : NULL;
+    if (drive != NULL && (drive->placed || drive->pushed))
+        work += find_drive_work(p, i, drive, k, leapfrog_kick_time(m, step), share, share);
+    else if (p->flags[i] & ELEMENT_FIXED_MOTION)
         work += share * leapfrog_kick_time(m, step) * find_drive_power(p, i, k);
     bool fits =
         exact_add(&out->kinetic, 0.5 * mass * (v[0] * v[0] + v[1] * v[1]) + 0.5 * spin * w, s->energy);
@@ -192,13 +240,26 @@ DM2_INLINE bool wrap_place(const struct model *m, const struct particles *p, siz
     return p->image[at] <= IMAGE_MOST && p->image[at] >= -IMAGE_MOST;
 }
 
-/* Kicks and drifts the owned elements; compiled apart for decks with near pairs and without. Returns the
+/* Puts coordinate `at`, along periodic direction a, to x, not wrapped, of an element that follows its home.
+ * The turn is that of the path, of less than half of the domain, because x counts from no start. False as
+ * wrap_place. */
+static bool set_place(const struct model *m, const struct particles *p, size_t at, size_t a, double x)
+{
+    int32_t turns;
+    double before = p->r[at], half = 0.5 * m->grid.size[a];
+    p->r[at] = grid_wrap(m->grid.origin[a], m->grid.size[a], x, &turns);
+    p->image[at] += p->r[at] - before < -half ? 1 : p->r[at] - before > half ? -1 : 0;
+    return p->image[at] <= IMAGE_MOST && p->image[at] >= -IMAGE_MOST;
+}
+
+/* Kicks and drifts the owned elements; compiled apart for decks with near pairs, without, and with drives.
+ * Returns the
  * largest squared speed; *bad is the first slot whose squared speed is not below limit2, or that has gone
  * round the domain more than IMAGE_MOST times, n_own if there is none. `own` is a copy of the columns that no
  * other pointer reaches, so that a store to one column does not force the processor to reload the addresses
  * of all. */
 DM2_INLINE double kick_and_drift(const struct model *m, const struct particles *columns, double dt_kick,
-                                 double limit2, bool near, size_t *bad)
+                                 double limit2, bool near, const struct body_drive *drives, size_t *bad)
 {
     struct particles own = *columns, *p = &own;
     const struct config *c = m->config;
@@ -206,29 +267,48 @@ DM2_INLINE double kick_and_drift(const struct model *m, const struct particles *
     double dt = c->dt, fastest2 = 0.0;
     *bad = p->n_own;
     for (size_t i = 0; i < p->n_own; i++) {
-        struct kick k = find_kick(m, p, i, dt_kick, near);
+        const struct body_drive *drive = drives != NULL ? &drives[p->body[i]] : NULL;
+        const bool placed = drive != NULL && drive->placed;
+        struct kick k = find_kick(m, p, i, dt_kick, near, drives);
         double v[2] = {p->v[2 * i] + k.dv[0], p->v[2 * i + 1] + k.dv[1]},
                r[2] = {p->r[2 * i], p->r[2 * i + 1]};
+        if (placed) /* exactly, not but for the rounding of the kick */
+            drive_velocity(drive, p->home + 2 * i, v);
         double speed2 = v[0] * v[0] + v[1] * v[1];
         if (!(speed2 < limit2)) {
             *bad = i;
             return speed2;
         }
+        if (drive != NULL)
+            p->work[i] += find_drive_work(p, i, drive, &k, dt_kick, 1.0, dt_kick < dt ? 0.0 : 0.5);
+        if (placed)
+            drive_place(drive, p->home + 2 * i, r);
         for (size_t a = 0; a < 2; a++) {
-            r[a] += v[a] * dt;
             p->v[2 * i + a] = v[a];
+            if (!placed)
+                r[a] += v[a] * dt;
+            if (placed && m->grid.periodic[a]) {
+                if (!set_place(m, p, 2 * i + a, a, r[a])) {
+                    *bad = i;
+                    return speed2;
+                }
+                continue;
+            }
             p->r[2 * i + a] = r[a];
             if (m->grid.periodic[a] && !wrap_place(m, p, 2 * i + a, a)) {
                 *bad = i;
                 return speed2;
             }
         }
-        if (p->work != NULL && (p->flags[i] & ELEMENT_FIXED_MOTION))
+        if (placed)
+            p->w[i] = drive->w;
+        else if (p->work != NULL && (p->flags[i] & ELEMENT_FIXED_MOTION))
             p->work[i] += find_drive_power(p, i, &k) * dt_kick;
         else if (pulled)
             p->work[i] += p->mass[i] * (c->gravity[0] * v[0] + c->gravity[1] * v[1]) * dt;
         if (near) {
-            p->w[i] += k.dw;
+            if (!placed)
+                p->w[i] += k.dw;
             p->heat[i] += k.heat_now + k.heat_damped;
             particles_warm(p, m, i, 1.0 / p->mass[i]);
         }
@@ -240,13 +320,19 @@ DM2_INLINE double kick_and_drift(const struct model *m, const struct particles *
 DM2_WIDE static double kick_and_drift_near(const struct model *m, const struct particles *p, double dt_kick,
                                            double limit2, size_t *bad)
 {
-    return kick_and_drift(m, p, dt_kick, limit2, true, bad);
+    return kick_and_drift(m, p, dt_kick, limit2, true, NULL, bad);
 }
 
 DM2_WIDE static double kick_and_drift_far(const struct model *m, const struct particles *p, double dt_kick,
                                           double limit2, size_t *bad)
 {
-    return kick_and_drift(m, p, dt_kick, limit2, false, bad);
+    return kick_and_drift(m, p, dt_kick, limit2, false, NULL, bad);
+}
+
+static double kick_and_drift_driven(const struct model *m, const struct particles *p, double dt_kick,
+                                    double limit2, size_t *bad)
+{
+    return kick_and_drift(m, p, dt_kick, limit2, m->has_near, p->drives, bad);
 }
 
 enum dm2_status leapfrog_move(const struct model *m, struct particles *p, int64_t step, bool drift,
@@ -255,15 +341,16 @@ enum dm2_status leapfrog_move(const struct model *m, struct particles *p, int64_
     double dt = m->config->dt, dt_kick = leapfrog_kick_time(m, step);
     double edge = m->grid.lx < m->grid.ly ? m->grid.lx : m->grid.ly, limit2 = (edge / dt) * (edge / dt);
     for (size_t i = 0; out != NULL && i < p->n_own; i++) {
-        struct kick k = find_kick(m, p, i, dt_kick, m->has_near);
+        struct kick k = find_kick(m, p, i, dt_kick, m->has_near, p->drives);
         if (!measure_element(m, p, i, step, &k, out))
             return fail_out_of_range(p, i, step, "left the range that sums can hold", err);
     }
     if (!drift)
         return DM2_OK;
     size_t bad;
-    double fastest2 = m->has_near ? kick_and_drift_near(m, p, dt_kick, limit2, &bad)
-                                  : kick_and_drift_far(m, p, dt_kick, limit2, &bad);
+    double fastest2 = p->drives != NULL ? kick_and_drift_driven(m, p, dt_kick, limit2, &bad)
+                      : m->has_near     ? kick_and_drift_near(m, p, dt_kick, limit2, &bad)
+                                        : kick_and_drift_far(m, p, dt_kick, limit2, &bad);
     if (bad < p->n_own && fastest2 < limit2)
         return dm2_fail(
             err, DM2_NUMERIC,

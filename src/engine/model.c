@@ -5,9 +5,11 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "dm2/base/exact.h"
 #include "dm2/base/mem.h"
 #include "dm2/base/real.h"
 #include "dm2/deck/shape.h"
+#include "drive.h"
 #include "generate.h"
 #include "kinds.h"
 #include "laws.h"
@@ -18,11 +20,39 @@
 static const double second_shell = 0.6; /* in contact distances: sqrt(3) - 1, less a tenth or more */
 static const double pi = 0x1.921fb54442d18p1;
 
-/* The model of which the elements are counted, and the room of its grain_first. */
+/* Mass and first moments of one body, exact. */
+struct moments {
+    struct exact_sum mass, moment[2];
+    int shift[2]; /* of the mass, of the moments */
+};
+
+/* The model of which the elements are counted, the room of its grain_first, and the moments of the body under
+ * way. */
 struct counting {
     struct model *m;
     size_t bodies, cap;
+    struct moments moments;
+    double *centroids; /* [n_bodies][2] */
 };
+
+/* Adds an element to the moments of its body, of which the element is the first where `first`. */
+static void add_moments(struct counting *k, const struct element *e, bool first)
+{
+    const struct config *c = k->m->config;
+    struct moments *of = &k->moments;
+    if (first) {
+        int mass, length;
+        (void)frexp(e->mass, &mass);
+        (void)frexp(c->size[0] + c->size[1] + fabs(c->origin[0]) + fabs(c->origin[1]), &length);
+        *of = (struct moments){.shift = {78 - mass, 78 - mass - length}};
+    }
+    (void)exact_add(&of->mass, e->mass, of->shift[0]);
+    for (int a = 0; a < 2; a++) {
+        (void)exact_add(&of->moment[a], e->mass * e->home[a], of->shift[1]);
+        k->centroids[2 * e->body + a] =
+            exact_value(&of->moment[a], of->shift[1]) / exact_value(&of->mass, of->shift[0]);
+    }
+}
 
 /* Notes the ids with which bodies and grains begin: those of this element too. */
 static enum dm2_status count_element(void *context, const struct element *e, struct dm2_error *err)
@@ -30,6 +60,8 @@ static enum dm2_status count_element(void *context, const struct element *e, str
     struct counting *k = context;
     struct model *m = k->m;
     m->n_elements++;
+    if (motion_needs_centroid(m, e->body))
+        add_moments(k, e, k->bodies <= e->body);
     while (k->bodies <= e->body)
         m->body_first[k->bodies++] = e->id;
     if (m->n_grains > e->grain)
@@ -48,9 +80,13 @@ static enum dm2_status count_elements(struct model *m, struct dm2_error *err)
 {
     struct counting k = {.m = m};
     m->body_first = mem_zalloc(m->config->n_bodies + 1, sizeof *m->body_first);
-    if (m->body_first == NULL)
+    k.centroids = mem_zalloc(m->config->n_bodies, 2 * sizeof *k.centroids);
+    if (m->body_first == NULL || k.centroids == NULL) {
+        free(k.centroids);
         return dm2_fail(err, DM2_MEMORY, "no memory for the tables of %zu bodies", m->config->n_bodies);
+    }
     enum dm2_status status = generate_elements(m, count_element, &k, err);
+    m->centroids = k.centroids;
     if (status != DM2_OK)
         return status;
     m->body_first[m->config->n_bodies] = (uint32_t)m->n_elements;
@@ -143,6 +179,9 @@ static enum dm2_status build_tables(struct model *m, struct dm2_error *err)
     status = motion_build(m, err);
     if (status != DM2_OK)
         return status;
+    m->has_drives = drive_is_needed(m);
+    for (size_t i = 0; i < c->n_loads; i++)
+        m->has_held |= c->loads[i].quantity == LOAD_TEMPERATURE;
     m->has_strain = c->output.strain;
     if (m->has_strain && !m->has_near)
         return dm2_fail(err, DM2_DECK,

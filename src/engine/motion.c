@@ -85,46 +85,10 @@ static enum dm2_status build_table(const struct load_config *load, double t_star
     return DM2_OK;
 }
 
-enum dm2_status motion_build(struct model *m, struct dm2_error *err)
+static struct mover_path find_path(const struct model *m, size_t mover)
 {
     const struct config *c = m->config;
-    m->load_tables = mem_zalloc(c->n_loads, sizeof *m->load_tables);
-    enum dm2_status status =
-        m->load_tables == NULL ? dm2_fail(err, DM2_MEMORY, "no memory for %zu loads", c->n_loads) : DM2_OK;
-    for (size_t i = 0; i < c->n_loads && status == DM2_OK; i++)
-        status = build_table(&c->loads[i], m->t_start, &m->load_tables[i], err);
-    return status;
-}
-
-void motion_free(struct model *m)
-{
-    for (size_t i = 0; m->load_tables != NULL && i < m->config->n_loads; i++)
-        free(m->load_tables[i].sum);
-    free(m->load_tables);
-}
-
-/* --- motions --- */
-
-double motion_time(const struct model *m, int64_t step)
-{
-    return m->t_start + (double)(step - m->n_start) * m->config->dt;
-}
-
-double motion_load(const struct model *m, size_t load, int64_t step)
-{
-    return motion_table_value(&m->load_tables[load], motion_time(m, step));
-}
-
-/* The loads that move a mover, by axis and by turning, and what is constant where there is none. */
-struct drive {
-    const struct motion_table *table[3]; /* x, y, turning; NULL: constant */
-    double constant[3];
-};
-
-static struct drive find_drive(const struct model *m, size_t mover)
-{
-    const struct config *c = m->config;
-    struct drive d = {{NULL, NULL, NULL}, {0.0, 0.0, 0.0}};
+    struct mover_path d = {{NULL, NULL, NULL}, {0.0, 0.0, 0.0}};
     if (mover < c->n_bodies && c->bodies[mover].motion == MOTION_DRIVEN) {
         d.constant[0] = c->bodies[mover].velocity[0];
         d.constant[1] = c->bodies[mover].velocity[1];
@@ -154,8 +118,49 @@ static struct drive find_drive(const struct model *m, size_t mover)
     return d;
 }
 
+enum dm2_status motion_build(struct model *m, struct dm2_error *err)
+{
+    const struct config *c = m->config;
+    m->load_tables = mem_zalloc(c->n_loads, sizeof *m->load_tables);
+    enum dm2_status status =
+        m->load_tables == NULL ? dm2_fail(err, DM2_MEMORY, "no memory for %zu loads", c->n_loads) : DM2_OK;
+    for (size_t i = 0; i < c->n_loads && status == DM2_OK; i++)
+        status = build_table(&c->loads[i], m->t_start, &m->load_tables[i], err);
+    m->paths = mem_zalloc(config_movers(c), sizeof *m->paths);
+    m->placed = mem_zalloc(c->n_bodies, sizeof *m->placed);
+    if (status == DM2_OK && (m->paths == NULL || m->placed == NULL))
+        status = dm2_fail(err, DM2_MEMORY, "no memory for the motions of %zu bodies", c->n_bodies);
+    for (size_t i = 0; i < config_movers(c) && status == DM2_OK; i++)
+        m->paths[i] = find_path(m, i);
+    for (size_t b = 0; b < c->n_bodies && status == DM2_OK; b++)
+        m->placed[b] = config_is_placed(c, b);
+    return status;
+}
+
+void motion_free(struct model *m)
+{
+    for (size_t i = 0; m->load_tables != NULL && i < m->config->n_loads; i++)
+        free(m->load_tables[i].sum);
+    free(m->load_tables);
+    free(m->paths);
+    free(m->placed);
+    free(m->centroids);
+}
+
+/* --- motions --- */
+
+double motion_time(const struct model *m, int64_t step)
+{
+    return m->t_start + (double)(step - m->n_start) * m->config->dt;
+}
+
+double motion_load(const struct model *m, size_t load, int64_t step)
+{
+    return motion_table_value(&m->load_tables[load], motion_time(m, step));
+}
+
 /* The path along k since the stage's start at time t. */
-static double path_at(const struct model *m, const struct drive *d, int k, double t)
+static double path_at(const struct model *m, const struct mover_path *d, int k, double t)
 {
     return d->table[k] != NULL ? motion_table_integral(d->table[k], t) - d->table[k]->start
                                : d->constant[k] * (t - m->t_start);
@@ -163,22 +168,21 @@ static double path_at(const struct model *m, const struct drive *d, int k, doubl
 
 void motion_at(const struct model *m, size_t mover, int64_t step, struct rigid_motion *out)
 {
-    struct drive d = find_drive(m, mover);
+    const struct mover_path *d = &m->paths[mover];
     double t = motion_time(m, step), before = motion_time(m, step - 1), path[3], speed[3];
     for (int k = 0; k < 3; k++) {
-        path[k] = path_at(m, &d, k, t);
-        if (d.table[k] == NULL)
-            speed[k] = d.constant[k];
+        path[k] = path_at(m, d, k, t);
+        if (d->table[k] == NULL)
+            speed[k] = d->constant[k];
         else if (step <= m->n_start)
-            speed[k] = motion_table_value(d.table[k], t);
+            speed[k] = motion_table_value(d->table[k], t);
         else
-            speed[k] = (path[k] - path_at(m, &d, k, before)) / m->config->dt;
+            speed[k] = (path[k] - path_at(m, d, k, before)) / m->config->dt;
     }
     *out = (struct rigid_motion){path[0], path[1], speed[0], speed[1], path[2], speed[2]};
 }
 
-bool motion_is_placed(const struct model *m, size_t mover)
+bool motion_needs_centroid(const struct model *m, size_t body)
 {
-    struct drive d = find_drive(m, mover);
-    return d.table[0] != NULL || d.table[1] != NULL || d.table[2] != NULL || d.constant[2] != 0.0;
+    return m->placed[body] || m->config->bodies[body].spin != 0.0;
 }

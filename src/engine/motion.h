@@ -23,11 +23,6 @@ struct rigid_motion {
     double spin;   /* of that half step, 1/us */
 };
 
-/* What a force moves: the part of struct rigid_motion that is integrated, of one mover. */
-struct mover_state {
-    double d[2], v[2];
-};
-
 /* A table and the prefix sums of its integral. */
 struct motion_table {
     const struct load_config *load; /* borrowed */
@@ -36,11 +31,17 @@ struct motion_table {
     double start;                   /* integral at the stage's start */
 };
 
+/* The tables that move a mover along x, y and by turning, and the constant where there is none. */
+struct mover_path {
+    const struct motion_table *table[3]; /* NULL: constant */
+    double constant[3];                  /* cm/us, 1/us */
+};
+
 /* The value of a table at time t, us, and its integral from the first point to t. */
 double motion_table_value(const struct motion_table *table, double t);
 double motion_table_integral(const struct motion_table *table, double t);
 
-/* Works out m->tables, one for each load of the config. DM2_MEMORY. motion_free frees them. */
+/* Works out m->load_tables, m->paths, m->placed. DM2_MEMORY. motion_free frees them. */
 enum dm2_status motion_build(struct model *m, struct dm2_error *err);
 void motion_free(struct model *m);
 
@@ -54,7 +55,7 @@ double motion_load(const struct model *m, size_t load, int64_t step);
  * force the displacement and the velocity are 0. */
 void motion_at(const struct model *m, size_t mover, int64_t step, struct rigid_motion *out);
 
-/* Does the mover follow a table, or turn, so that its places are worked out and not integrated? */
-bool motion_is_placed(const struct model *m, size_t mover);
+/* Is the centroid of the body needed: does the body turn, or follow a table? */
+bool motion_needs_centroid(const struct model *m, size_t body);
 
 #endif

@@ -22,7 +22,8 @@ enum need {
     REACTION = 128,
     STRAIN = 256,
     PERIODIC = 512,
-    DAMPING = 1024
+    DAMPING = 1024,
+    HOME = 2048 /* bodies that follow a table or turn */
 };
 
 struct column {
@@ -59,6 +60,7 @@ static const struct column columns[] = {
     COLUMN(strain, 3, STRAIN),
     COLUMN(image, 2, PERIODIC),
     COLUMN(damped, 1, DAMPING),
+    COLUMN(home, 2, HOME),
     /* The last four are no part of the state: they hold the sums of one force evaluation. */
     COLUMN(far_sum, 2, FAR),
     COLUMN(pair_sum, SUM_COUNT, NEAR),
@@ -76,7 +78,8 @@ static unsigned find_needs(const struct model *m)
                      (m->has_damping ? DAMPING : 0u) | (c->periodic[0] || c->periodic[1] ? PERIODIC : 0u) |
                      (c->gravity[0] != 0.0 || c->gravity[1] != 0.0 ? WORK : 0u);
     for (size_t b = 0; b < c->n_bodies; b++)
-        needs |= c->bodies[b].motion != MOTION_FREE ? WORK : 0u;
+        needs |= (c->bodies[b].motion != MOTION_FREE ? WORK : 0u) | (config_is_placed(c, b) ? HOME : 0u);
+    needs |= c->n_loads > 0 ? WORK : 0u;
     for (size_t k = 0; k < m->n_kinds; k++)
         needs |= isfinite(m->kinds[k].cp) ? HEAT : 0u;
     return needs;
@@ -176,6 +179,8 @@ void particles_get(const struct particles *p, size_t i, struct element *out)
         memcpy(out->image, p->image + 2 * i, sizeof out->image);
     if (p->groups & DAMPING)
         out->damped = p->damped[i];
+    if (p->groups & HOME)
+        memcpy(out->home, p->home + 2 * i, sizeof out->home);
 }
 
 void particles_put(struct particles *p, const struct model *m, size_t i, const struct element *in)
@@ -212,6 +217,8 @@ void particles_put(struct particles *p, const struct model *m, size_t i, const s
         memcpy(p->image + 2 * i, in->image, sizeof in->image);
     if (p->groups & DAMPING)
         p->damped[i] = in->damped;
+    if (p->groups & HOME)
+        memcpy(p->home + 2 * i, in->home, sizeof in->home);
     particles_warm(p, m, i, 1.0 / p->mass[i]);
 }
 

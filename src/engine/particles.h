@@ -62,14 +62,18 @@ struct particles {
     double *damped;  /* [n] energy that local damping took, of owned elements; a deck with damping */
     uint16_t *bonds; /* [n] links at the start, of owned elements; near pairs */
     int32_t *image; /* [n][2] sizes of the domain that wrapping took off, of owned elements; periodic sides */
+    double *home;   /* [n][2] place against the centroid when its load began, of owned elements, cm; bodies
+                       that follow a table or turn */
     uint32_t *id, *grain;
     uint16_t *kind, *body;
     uint8_t *flags, *probes;
     int64_t *far_sum; /* [n][2] fixed-point force of the potentials of scope all; such potentials, or no pairs
                          at all */
-    int64_t *pair_sum; /* [n][SUM_COUNT] fixed-point sums of all other effects; near pairs */
-    int64_t *virial;   /* [n][VIRIAL_COUNT] of the last measuring step */
-    int64_t *around;   /* [n][AROUND_COUNT] likewise; near pairs */
+    int64_t *pair_sum;               /* [n][SUM_COUNT] fixed-point sums of all other effects; near pairs */
+    int64_t *virial;                 /* [n][VIRIAL_COUNT] of the last measuring step */
+    int64_t *around;                 /* [n][AROUND_COUNT] likewise; near pairs */
+    const struct body_drive *drives; /* [n_bodies] of the step whose forces were evaluated last (drive.h);
+                                        NULL: the deck has none */
 };
 
 /* An empty set for elements of this model. */

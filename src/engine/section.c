@@ -187,8 +187,10 @@ const struct section_kind section_kinds[SECTION_COUNT] = {
 
 unsigned section_has(const struct config *config)
 {
-    (void)config; /* no deck has loads or walls */
-    return 0;
+    unsigned has = 0;
+    for (size_t b = 0; b < config->n_bodies; b++)
+        has |= config_is_placed(config, b) ? 1u << SECTION_HOME : 0u;
+    return has;
 }
 
 uint32_t section_element(const void *record)

@@ -7,7 +7,9 @@
 
 #include "dm2/base/clock.h"
 #include "dm2/deck/schedule.h"
+#include "drive.h"
 #include "generate.h"
+#include "homes.h"
 #include "leapfrog.h"
 #include "phase.h"
 #include "state_reader.h"
@@ -39,7 +41,9 @@ static enum dm2_status open_subdomain(const struct model *model, const struct do
     sd->step = step;
     particles_start(&sd->p, model);
     sd->neighbours = mem_zalloc((size_t)map->ranks, sizeof *sd->neighbours);
-    if (sd->neighbours == NULL)
+    if (model->has_drives)
+        sd->p.drives = sd->drives = mem_zalloc(model->config->n_bodies, sizeof *sd->drives);
+    if (sd->neighbours == NULL || (model->has_drives && sd->drives == NULL))
         return subdomain_no_memory(sd, err);
     return cells_build(&sd->cells, map, rank, err);
 }
@@ -125,8 +129,17 @@ enum dm2_status subdomain_restore(const struct model *model, const struct domain
     struct chooser chosen = {.sd = *out};
     if (status == DM2_OK && map->ranks == 1 && reserve_elements(&chosen.own, state->n_elements) != 0)
         status = subdomain_no_memory(*out, err);
-    for (size_t k = 0; k < state->n_elements && status == DM2_OK; k++)
-        status = choose_element(&chosen, &state->elements[k], err);
+    struct section_array homes = {.n = 0};
+    if (status == DM2_OK)
+        status = homes_sorted(&state->sections[SECTION_HOME], &homes, err);
+    for (size_t k = 0; k < state->n_elements && status == DM2_OK; k++) {
+        struct element e = state->elements[k];
+        if (model->placed[e.body] && map->owner[subdomain_cell_at(*out, e.r)] == (*out)->rank)
+            status = homes_find(model, &homes, state->step, &e, err);
+        if (status == DM2_OK)
+            status = choose_element(&chosen, &e, err);
+    }
+    free(homes.records);
     /* All elements are newcomers or mirrors, so that sd->ids holds the id of every element of a pair. */
     if (status == DM2_OK)
         status = place_chosen(*out, &chosen, state->pairs, state->n_pairs, false, err);
@@ -157,6 +170,7 @@ void subdomain_free(struct subdomain *sd)
     strain_free(&sd->strain);
     stiffness_free(&sd->stiff);
     idmap_free(&sd->ids);
+    free(sd->drives);
     free(sd->cell_of);
     free(sd->reacted.item);
     free(sd->from.item);
@@ -220,6 +234,8 @@ enum dm2_status subdomain_forces(struct subdomain *sd, bool measure, struct dm2_
     const struct model *m = sd->model;
     bool pressure = needs_pressure(m), totals = measure || pressure;
     subdomain_beat(sd);
+    if (m->has_drives)
+        drive_set(m, sd->step, sd->drives);
     enum dm2_status status = m->has_kinds ? phase_account(m, &sd->p, &sd->lists, sd->step, err) : DM2_OK;
     if (status == DM2_OK && sd->pass.ahead)
         status = force_rest(&sd->pass, &sd->lists, sd->step, err);
@@ -273,6 +289,8 @@ enum dm2_status subdomain_move(struct subdomain *sd, double *dmax, struct measur
     if (status == DM2_OK && sd->model->has_phases)
         phase_apply(sd->model, &sd->p);
     sd->step++;
+    if (status == DM2_OK && sd->model->has_held)
+        drive_hold_heat(sd->model, &sd->p, sd->step);
     return status;
 }
 
@@ -329,10 +347,9 @@ enum dm2_status subdomain_collect_pairs(const struct subdomain *sd, struct pair_
 enum dm2_status subdomain_collect_sections(const struct subdomain *sd,
                                            struct section_array out[SECTION_COUNT], struct dm2_error *err)
 {
-    (void)sd; /* section_has: no deck has further sections */
-    (void)out;
-    (void)err;
-    return DM2_OK;
+    return (section_has(sd->model->config) & 1u << SECTION_HOME) != 0
+               ? homes_collect(sd->model, &sd->p, &out[SECTION_HOME], err)
+               : DM2_OK;
 }
 
 static void read_element(const void *context, size_t k, struct element *out)

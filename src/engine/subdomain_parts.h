@@ -84,6 +84,7 @@ struct subdomain {
     struct pair_totals totals;
     struct pass pass; /* the evaluation under way, where subdomain_forces_ahead began it */
     struct strain_sums strain;
+    struct body_drive *drives; /* [n_bodies], p.drives; NULL: the deck has none */
     struct stiffness_sums stiff;
     struct stiffness stiffness;   /* of the last row of the history, or of step 0 */
     struct reaction_sums reacted; /* of the last evaluation */

@@ -86,6 +86,12 @@ struct model {
     int64_t n_start;                  /* the step and the time at which the stage begins */
     double t_start;                   /* us */
     struct motion_table *load_tables; /* [n_loads] */
+    struct mover_path *paths;         /* [n_movers] */
+    bool *placed;                     /* [n_bodies] config_is_placed */
+    bool has_drives;   /* some load, or a spin of a driven body, acts on elements at every step (drive.h) */
+    bool has_held;     /* some load holds a temperature */
+    double *centroids; /* [n_bodies][2] centres of mass at the start, not wrapped, cm; of bodies with
+                          motion_needs_centroid; NULL while elements are counted */
 };
 
 /* The law of an ordered pair of kinds. */

@@ -263,6 +263,10 @@ const char *config_mover_name(const struct config *c, size_t mover);
 /* The load with this quantity of this mover; NULL: none. */
 const struct load_config *config_load(const struct config *c, size_t mover, enum load_quantity quantity);
 
+/* Does the body follow a table of velocities or spins, or turn, so that its elements have homes, from which
+ * their places are worked out? */
+bool config_is_placed(const struct config *c, size_t body);
+
 /* The contact distance of the two largest elements, cm; 0 without a body whose radius is known. */
 double config_contact_distance(const struct config *c);
 

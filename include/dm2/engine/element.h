@@ -37,7 +37,9 @@ struct element {
     double moved;     /* energy that changes of kind took out of bonds and spin since the start, g cm2/us2 */
     int32_t image[2]; /* sizes of the domain that wrapping took off r since the start; 0 where not periodic */
     double damped;    /* energy that local damping took since the start, g cm2/us2; 0 without it */
-    uint16_t bonds;   /* links at the start */
+    double home[2]; /* place against the centroid of its body when the body's load began, cm; 0 where the body
+                       follows no table and does not turn */
+    uint16_t bonds; /* links at the start */
 };
 
 /* The memory of one pair that is linked or in contact; id_a < id_b. */
