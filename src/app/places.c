@@ -7,6 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "dm2/base/file.h"
 #include "dm2/base/mem.h"
 #include "dm2/base/text.h"
 
@@ -52,25 +53,6 @@ static char *running_program(const char *argv0)
     return NULL;
 }
 
-/* Takes the name of a program and returns the name that its links lead to; NULL: too many of them, or no
- * memory. */
-static char *follow_links(char *path)
-{
-    enum { LINKS_MOST = 40 };
-    char target[4096];
-    for (int k = 0; path != NULL && k < LINKS_MOST; k++) {
-        ssize_t n = readlink(path, target, sizeof target - 1);
-        if (n < 0)
-            return path;
-        target[n] = '\0';
-        char *next = joined(path, target[0] == '/' ? 0 : folder_length(path), target);
-        free(path);
-        path = next;
-    }
-    free(path);
-    return NULL;
-}
-
 /* The program `name` in the folder of `path`; NULL: there is none, or no memory. */
 static char *program_beside(const char *path, const char *name)
 {
@@ -85,7 +67,7 @@ char *places_program(const char *argv0, const char *name)
 {
     char *program = running_program(argv0);
     char *found = program_beside(program, name);
-    program = follow_links(program);
+    program = file_follow_links(program);
     if (found == NULL)
         found = program_beside(program, name);
     free(program);
@@ -126,7 +108,7 @@ enum dm2_status places_roots(const char *argv0, struct deck_roots *out, struct d
         status = add_root(out, share, sizeof share - 1, "", err);
     if (status == DM2_OK)
         status = add_root(out, share, sizeof share - 1, "/input", err);
-    char *program = follow_links(running_program(argv0));
+    char *program = file_follow_links(running_program(argv0));
     for (size_t k = 0; k < sizeof beside / sizeof beside[0] && program != NULL && status == DM2_OK; k++)
         status = add_root(out, program, folder_length(program), beside[k], err);
     free(program);

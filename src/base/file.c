@@ -331,6 +331,57 @@ bool file_is_absent(const char *path)
     return access(path, F_OK) != 0 && (errno == ENOENT || errno == ENOTDIR);
 }
 
+char *file_follow_links(char *path)
+{
+    enum { LINKS_MOST = 40 };
+    char target[4096];
+    for (int k = 0; path != NULL && k < LINKS_MOST; k++) {
+        ssize_t n = readlink(path, target, sizeof target - 1);
+        if (n < 0)
+            return path;
+        target[n] = '\0';
+        const char *slash = target[0] == '/' ? NULL : strrchr(path, '/');
+        size_t folder = slash == NULL ? 0 : (size_t)(slash - path) + 1;
+        char *next = malloc(folder + (size_t)n + 1);
+        if (next != NULL) {
+            memcpy(next, path, folder);
+            memcpy(next + folder, target, (size_t)n + 1);
+        }
+        free(path);
+        path = next;
+    }
+    free(path);
+    return NULL;
+}
+
+bool file_lies_below(const char *path, const char *folder)
+{
+    enum { DEPTH_MOST = 1000 };
+    static const char up[] = "/..";
+    struct stat top, at = {0}, next;
+    char *real = file_follow_links(text_join(path, "", ""));
+    char *slash = real == NULL ? NULL : strrchr(real, '/');
+    size_t used = slash == NULL ? 1 : (size_t)(slash - real) + 1;
+    char *climb = real == NULL ? NULL : malloc(used + DEPTH_MOST * (sizeof up - 1) + 1);
+    bool found = false;
+    if (climb != NULL && stat(folder, &top) == 0) {
+        memcpy(climb, slash == NULL ? "." : real, used);
+        climb[used] = '\0';
+        bool higher = stat(climb, &at) == 0;
+        for (int k = 0; higher && k < DEPTH_MOST; k++) {
+            found = at.st_dev == top.st_dev && at.st_ino == top.st_ino;
+            memcpy(climb + used, up, sizeof up);
+            used += sizeof up - 1;
+            higher = !found && stat(climb, &next) == 0 &&
+                     (next.st_dev != at.st_dev || next.st_ino != at.st_ino); /* "/.." is "/" */
+            at = next;
+        }
+    }
+    free(climb);
+    free(real);
+    return found;
+}
+
 void file_abandon(struct file_out *f)
 {
     if (f->path == NULL)

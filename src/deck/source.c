@@ -228,6 +228,27 @@ static char *find_on_disk(const struct deck_roots *roots, const char *path, size
     return NULL;
 }
 
+/* Fails where links lead from `name` out of the directory of the deck and out of all roots. */
+static enum dm2_status check_place(const struct reading *reading, const char *name, const char *by,
+                                   struct dm2_error *err)
+{
+    const char *deck = reading->source->texts[0].name;
+    char *folder = strchr(deck, '/') == NULL ? text_join("./", "", "") : text_join(deck, "", "");
+    if (folder == NULL)
+        return dm2_fail(err, DM2_MEMORY, "no memory to read the deck");
+    strrchr(folder, '/')[1] = '\0';
+    bool inside = file_lies_below(name, folder);
+    for (size_t k = 0; reading->roots != NULL && k < reading->roots->n && !inside; k++)
+        inside = file_lies_below(name, reading->roots->items[k]);
+    free(folder);
+    if (inside)
+        return DM2_OK;
+    return dm2_fail(err, DM2_DECK,
+                    "%s%s: symbolic links lead to a file outside the deck's folder: copy the file into the "
+                    "folder, or name its own folder in the variable DM2_PATH",
+                    by, name);
+}
+
 static enum dm2_status read_included(struct reading *reading, size_t includer, const struct tokens *tokens,
                                      size_t at, struct dm2_error *err)
 {
@@ -264,7 +285,12 @@ static enum dm2_status read_included(struct reading *reading, size_t includer, c
         free(name);
         return DM2_IO;
     }
-    return add_file(reading, name, by, err);
+    enum dm2_status status =
+        reading->may != NULL || file_is_absent(name) ? DM2_OK : check_place(reading, name, by, err);
+    if (status == DM2_OK)
+        return add_file(reading, name, by, err);
+    free(name);
+    return status;
 }
 
 /* Reads the file that the string token `at` names: an included text, or a table. */

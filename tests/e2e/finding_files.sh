@@ -48,6 +48,39 @@ printf '%s\n%s\ninclude "x/y/m.dm2"\ninclude "x//y/m.dm2"\ninclude "./x/./y/m.dm
 expect_status 0 "$DM2_BIN/dm2-seq" -q -o names deck.dm2
 same_bytes good/history.csv names/history.csv
 
+# A link may lead to a file of the deck's folder, never out of it, be it a link of the file or of a folder.
+echo "$material" >x/real.dm2
+ln -s ../real.dm2 x/y/inside.dm2
+ln -s "$here/outside/m.dm2" x/link.dm2
+ln -s ../outside x/folder
+ln -s link.dm2 x/link-of-link.dm2
+ln -s x linked
+# included PATH: writes x/deck.dm2 with this include.
+included() { printf '%s\n%s\ninclude "%s"\n' "$head" "$body" "$1" >x/deck.dm2; }
+for path in link.dm2 folder/m.dm2 link-of-link.dm2; do
+    included "$path"
+    for deck in x/deck.dm2 linked/deck.dm2 "$here/x/deck.dm2"; do
+        expect_status 2 "$DM2_BIN/dm2-seq" --check "$deck"
+        expect_text err "$deck:4: ${deck%deck.dm2}$path: symbolic links lead to a file outside the deck's"
+    done
+    (cd x && expect_status 2 "$DM2_BIN/dm2-client" -n 1 -q -o linked.run deck.dm2)
+    # What DM2_PATH names is the user's word.
+    expect_status 0 env DM2_PATH="$here/outside" "$DM2_BIN/dm2-seq" --check x/deck.dm2
+done
+# A folder that is a link, a link within the folder.
+included y/inside.dm2
+for deck in x/deck.dm2 linked/deck.dm2 "$here/linked/deck.dm2"; do
+    expect_status 0 "$DM2_BIN/dm2-seq" --check "$deck"
+done
+(cd linked && expect_status 0 "$DM2_BIN/dm2-seq" --check deck.dm2)
+# A root of links, as some installers lay them out.
+mkdir stowed
+ln -s ../outside/m.dm2 stowed/m.dm2
+mkdir alone
+printf '%s\n%s\ninclude "m.dm2"\n' "$head" "$body" >alone/deck.dm2
+expect_status 2 env DM2_PATH="$here/stowed" "$DM2_BIN/dm2-seq" --check alone/deck.dm2
+expect_status 0 env DM2_PATH="$here/stowed:$here/outside" "$DM2_BIN/dm2-seq" --check alone/deck.dm2
+
 # The library: beside the deck first, then DM2_PATH, then what lies beside the programs.
 mkdir -p installed/bin installed/share/dm2/input/materials lib/materials user
 cp "$DM2_BIN/dm2-seq" "$DM2_BIN/dm2-client" "$DM2_BIN/dm2-server" installed/bin/

@@ -77,6 +77,16 @@ enum dm2_status file_rename(const char *from, const char *to, struct dm2_error *
 /* Whether the system says that there is no file `path`. */
 bool file_is_absent(const char *path);
 
+/* Takes the malloc'd name of a file, or NULL, and returns the name that its symbolic links lead to, which the
+ * caller frees; links of folders on the way are left to the system. NULL: more than 40 links, or no memory.
+ */
+char *file_follow_links(char *path);
+
+/* Whether the file that the system opens as `path` lies in `folder` or below, all symbolic links followed:
+ * the directory of the file is followed upwards by "..", and compared by device and inode. False also where
+ * a directory on the way cannot be searched, and without memory. */
+bool file_lies_below(const char *path, const char *folder);
+
 /* Closes and removes the temporary file. Does nothing to an empty or zeroed *f. */
 void file_abandon(struct file_out *f);
 
