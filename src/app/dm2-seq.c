@@ -157,10 +157,8 @@ static enum dm2_status take_step(struct sequence *s, struct dm2_error *err)
         status = write_profiles(s, err);
     if (status == DM2_OK)
         status = subdomain_move(s->sd, &dmax, n == 0 || schedule_history(c, n) ? &measures : NULL, err);
-    if (status == DM2_OK && n == 0) { /* the history has a row of step 0 */
-        run_print_overlap(s->options, s->run, &measures.overlap);
+    if (status == DM2_OK && n == 0) /* the history has a row of step 0 */
         status = model_check_start(s->run->model, &measures, err);
-    }
     if (status == DM2_OK && survey)
         subdomain_survey(s->sd, &spread);
     if (status == DM2_OK && rebuild_plan_step(&s->plan, dmax, survey ? &spread : NULL))
@@ -191,8 +189,6 @@ static enum dm2_status finish_run(struct sequence *s, struct dm2_error *err)
         status = write_profiles(s, err);
     if (status == DM2_OK)
         status = subdomain_measure_last(s->sd, &measures, err);
-    if (status == DM2_OK && c->steps == 0)
-        run_print_overlap(s->options, s->run, &measures.overlap);
     if (status == DM2_OK && schedule_history(c, c->steps))
         status = write_row(s, c->steps, &measures, err);
     return status;
@@ -271,6 +267,10 @@ static enum dm2_status run_all(struct sequence *s, const struct decomposition *d
         status = subdomain_restore(s->run->model, &map, 0, &from, &s->sd, err);
     else if (status == DM2_OK)
         status = subdomain_create(s->run->model, &map, 0, &s->sd, err);
+    if (status == DM2_OK)
+        status = overlap_check(subdomain_overlap(s->sd), &s->run->config, err);
+    if (status == DM2_OK)
+        run_print_overlap(s->options, s->run, subdomain_overlap(s->sd));
     s->every = run_checkpoint_every(s->options, s->run);
     s->report.set_up = clock_now() - started;
     rebuild_plan_start(&s->plan, &s->run->config, model_margins(s->run->model));

@@ -346,10 +346,17 @@ struct rank_size {
     size_t owned, mirrored, bytes;
 };
 
-/* Generates one rank's subdomain, evaluates its forces once for the measures of step 0, which are added to
- * *start, and returns its size. */
+/* The start of a run as --check finds it. */
+struct run_start {
+    struct measures measures;
+    struct overlap overlap;
+    enum dm2_status status; /* of the forces; the elements of all ranks come first in overlap_check */
+};
+
+/* Generates one rank's subdomain and returns its size. Adds its pressed pairs to *start, evaluates its forces
+ * once while they make sense, and adds the measures of step 0. */
 static enum dm2_status measure_rank(const struct run *run, const struct decomposition *d, int rank,
-                                    struct rank_size *out, struct measures *start, struct dm2_error *err)
+                                    struct rank_size *out, struct run_start *start, struct dm2_error *err)
 {
     const struct domain_map map = {.grid = &d->grid, .ranks = d->ranks, .owner = d->owner};
     struct subdomain *sd = NULL;
@@ -358,13 +365,16 @@ static enum dm2_status measure_rank(const struct run *run, const struct decompos
     if (status != DM2_OK)
         return status;
     *out = (struct rank_size){subdomain_owned(sd), subdomain_mirrored(sd), subdomain_bytes(sd)};
-    status = subdomain_forces(sd, true, err);
-    if (status == DM2_OK)
-        status = subdomain_measure_last(sd, &part, err);
-    if (status == DM2_OK)
-        measures_merge(start, &part);
+    overlap_merge(&start->overlap, subdomain_overlap(sd));
+    if (start->status == DM2_OK && overlap_check(&start->overlap, &run->config, NULL) == DM2_OK) {
+        start->status = subdomain_forces(sd, true, err);
+        if (start->status == DM2_OK)
+            start->status = subdomain_measure_last(sd, &part, err);
+        if (start->status == DM2_OK)
+            measures_merge(&start->measures, &part);
+    }
     subdomain_free(sd);
-    return status;
+    return DM2_OK;
 }
 
 static void print_rank(FILE *to, const struct decomposition *d, int rank, const char *name, size_t owned,
@@ -441,18 +451,22 @@ enum dm2_status run_print_check(FILE *to, const struct run_options *o, const str
                                 const struct decomposition *d, const char *const *server_names,
                                 struct dm2_error *err)
 {
-    struct measures start;
+    struct run_start start = {.status = DM2_OK};
     struct rank_size *size = mem_zalloc((size_t)d->ranks, sizeof *size);
     enum dm2_status status = DM2_OK;
     if (size == NULL)
         return dm2_fail(err, DM2_MEMORY, "no memory for %d subdomains", d->ranks);
-    measures_clear(&start);
+    measures_clear(&start.measures);
     for (int rank = 0; rank < d->ranks && status == DM2_OK; rank++)
         status = measure_rank(run, d, rank, &size[rank], &start, err);
     if (status == DM2_OK)
-        status = model_check_start(run->model, &start, err);
+        status = overlap_check(&start.overlap, &run->config, err);
+    if (status == DM2_OK)
+        status = start.status; /* *err is from then */
+    if (status == DM2_OK)
+        status = model_check_start(run->model, &start.measures, err);
     if (status == DM2_OK) {
-        print_run(to, o, run, &start);
+        print_run(to, o, run, &start.measures);
         status = print_ranks(to, d, size, server_names, err);
         run_print_overlap(o, run, &start.overlap);
     }

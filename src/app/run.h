@@ -10,6 +10,7 @@
 #include "dm2/cluster/decomposition.h"
 #include "dm2/deck/config.h"
 #include "dm2/deck/deck.h"
+#include "dm2/engine/overlap.h"
 #include "dm2/engine/model.h"
 #include "dm2/output/results.h"
 #include "dm2/output/state.h"

@@ -354,6 +354,34 @@ static enum dm2_status send_share(struct client *c, int rank, const struct state
     return status;
 }
 
+/* The servers have all elements, and no two of them too close; tells the user of pressed pairs and the hash.
+ */
+static enum dm2_status check_ready(const struct client *c, uint64_t elements, struct dm2_error *err)
+{
+    uint64_t owned = 0, hash = 0;
+    struct overlap overlap = {0};
+    for (int k = 0; k < c->ranks; k++) {
+        owned += c->answers[k].ready.owned;
+        hash += c->answers[k].ready.hash;
+        overlap_merge(&overlap, &c->answers[k].ready.overlap);
+    }
+    if (owned != elements)
+        return dm2_fail(err, DM2_PROTOCOL,
+                        "the servers generated %llu elements, the deck makes %llu: is the same dm2 "
+                        "installed everywhere?",
+                        (unsigned long long)owned, (unsigned long long)elements);
+    enum dm2_status status = overlap_check(&overlap, c->job->config, err);
+    if (status != DM2_OK)
+        return status;
+    char line[OVERLAP_LINE];
+    if (!c->talk.again && overlap_describe(&overlap, c->job->config, line))
+        course_tell_user(c->options, line);
+    int64_t start = course_step(c->course, c->job), every = c->options->hash_every;
+    if (every > 0 && (start % every == 0 || start == c->job->config->steps))
+        course_tell_hash(c->course, c->options, start, hash);
+    return DM2_OK;
+}
+
 enum dm2_status client_assign(struct client *c, struct dm2_error *err)
 {
     const struct decomposition *d = c->decomposition;
@@ -382,18 +410,5 @@ enum dm2_status client_assign(struct client *c, struct dm2_error *err)
     }
     enum dm2_status status =
         conversation_gather(&c->talk, MESSAGE_READY, LIMIT_SMALL, take_ready, false, err);
-    uint64_t owned = 0, hash = 0;
-    for (int k = 0; k < c->ranks; k++) {
-        owned += c->answers[k].ready.owned;
-        hash += c->answers[k].ready.hash;
-    }
-    if (status == DM2_OK && owned != m.elements)
-        return dm2_fail(err, DM2_PROTOCOL,
-                        "the servers generated %llu elements, the deck makes %llu: is the same dm2 "
-                        "installed everywhere?",
-                        (unsigned long long)owned, (unsigned long long)m.elements);
-    int64_t start = course_step(c->course, c->job);
-    if (status == DM2_OK && m.hash_every > 0 && (start % m.hash_every == 0 || start == c->job->config->steps))
-        course_tell_hash(c->course, c->options, start, hash);
-    return status;
+    return status == DM2_OK ? check_ready(c, m.elements, err) : status;
 }

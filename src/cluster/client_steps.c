@@ -148,14 +148,6 @@ static enum dm2_status write_row(struct client *c, int64_t n, const struct measu
     return status;
 }
 
-/* Tells of elements that start pressed into each other; `start`: the measures of step 0. */
-static void tell_overlap(const struct client *c, const struct measures *start)
-{
-    char line[OVERLAP_LINE];
-    if (overlap_describe(&start->overlap, c->job->config, line))
-        course_tell_user(c->options, line);
-}
-
 /* Runs the step from state n to state n + 1 and writes the results of state n. */
 static enum dm2_status run_step(struct client *c, int64_t n, bool *rebuild, struct dm2_error *err)
 {
@@ -174,10 +166,8 @@ static enum dm2_status run_step(struct client *c, int64_t n, bool *rebuild, stru
     enum dm2_status status = conversation_gather(&c->talk, MESSAGE_STEP, LIMIT_STEP, take_step, false, err);
     if (status == DM2_OK)
         status = sum_steps(c, *rebuild, schedule_measure(config, n), hashed, c->survey, &sum, err);
-    if (status == DM2_OK && n == 0) { /* the history has a row of step 0 */
-        tell_overlap(c, &sum.measures);
+    if (status == DM2_OK && n == 0) /* the history has a row of step 0 */
         status = model_check_start(c->job->model, &sum.measures, err);
-    }
     if (status == DM2_OK)
         status = exchange_step(c, rebuild, &sum, err);
     if (status != DM2_OK)
@@ -256,8 +246,6 @@ enum dm2_status client_finish(struct client *c, struct dm2_error *err)
     measures_clear(&sum);
     for (int k = 0; k < c->ranks; k++)
         measures_merge(&sum, &c->answers[k].done.measures);
-    if (status == DM2_OK && config->steps == 0)
-        tell_overlap(c, &sum);
     if (status == DM2_OK && schedule_history(config, config->steps))
         status = write_row(c, config->steps, &sum, err);
     if (status == DM2_OK)

@@ -204,6 +204,7 @@ void message_put_ready(struct bytes_writer *w, const struct ready_message *m)
     bytes_put_u64(w, m->mirrored);
     bytes_put_u64(w, m->bytes);
     bytes_put_u64(w, m->hash);
+    wire_put_overlap(w, &m->overlap);
 }
 
 void message_get_ready(struct bytes_reader *r, struct ready_message *m)
@@ -212,6 +213,7 @@ void message_get_ready(struct bytes_reader *r, struct ready_message *m)
     m->mirrored = bytes_get_u64(r);
     m->bytes = bytes_get_u64(r);
     m->hash = bytes_get_u64(r);
+    wire_get_overlap(r, &m->overlap);
     require(r, bytes_done(r));
 }
 

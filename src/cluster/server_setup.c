@@ -162,7 +162,8 @@ enum dm2_status server_send_ready(struct session *s, struct dm2_error *err)
 {
     struct ready_message m = {.owned = subdomain_owned(s->sd),
                               .mirrored = subdomain_mirrored(s->sd),
-                              .bytes = subdomain_bytes(s->sd)};
+                              .bytes = subdomain_bytes(s->sd),
+                              .overlap = *subdomain_overlap(s->sd)};
     enum dm2_status status = s->assign.hash_every > 0 ? state_hash_subdomain(s->sd, &m.hash, err) : DM2_OK;
     if (status != DM2_OK)
         return status;

@@ -98,7 +98,7 @@ static void get_sum(struct bytes_reader *r, struct exact_sum *s)
     s->lo = bytes_get_u64(r);
 }
 
-static void put_overlap(struct bytes_writer *w, const struct overlap *o)
+void wire_put_overlap(struct bytes_writer *w, const struct overlap *o)
 {
     bytes_put_u64(w, o->pairs);
     bytes_put_f64(w, o->ratio);
@@ -110,7 +110,7 @@ static void put_overlap(struct bytes_writer *w, const struct overlap *o)
     }
 }
 
-static void get_overlap(struct bytes_reader *r, struct overlap *out)
+void wire_get_overlap(struct bytes_reader *r, struct overlap *out)
 {
     out->pairs = bytes_get_u64(r);
     out->ratio = bytes_get_f64(r);
@@ -152,7 +152,6 @@ void wire_put_measures(struct bytes_writer *w, const struct measures *m)
             put_sum(w, &m->probe[k].v[a]);
         }
     }
-    put_overlap(w, &m->overlap);
 }
 
 void wire_get_measures(struct bytes_reader *r, struct measures *out)
@@ -184,7 +183,6 @@ void wire_get_measures(struct bytes_reader *r, struct measures *out)
             get_sum(r, &out->probe[k].v[a]);
         }
     }
-    get_overlap(r, &out->overlap);
 }
 
 void wire_put_bin(struct bytes_writer *w, const struct profile_bin *b)

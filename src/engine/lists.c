@@ -31,8 +31,6 @@ struct builder {
     double far_reach2, near_reach2; /* cm2; near_reach2 is at least the reach of every pair */
     struct period period;
     size_t far_count, near_count;
-    uint32_t close_a, close_b; /* the first overlapping pair, if `overlap` */
-    bool overlap;
 };
 
 /* Lists are the largest arrays of the program: they grow by an eighth, from the size that a lattice needs. */
@@ -146,7 +144,7 @@ static bool is_pressed(const struct builder *b, uint32_t i, uint32_t j, double r
     return r2 < most * most;
 }
 
-/* Counts a pressed pair, if the element of lower id is owned here. */
+/* Counts a pair that is pressed or too close, if the element of lower id is owned here. */
 static void note_overlap(struct builder *b, uint32_t i, uint32_t j, double r2, double r0)
 {
     const struct particles *p = b->p;
@@ -172,13 +170,8 @@ static void consider_near(struct builder *b, uint32_t i, uint32_t j, double r2)
     const struct pair_law *law = model_law(b->m, p->kind[i], p->kind[j], relation);
     double r0 = p->radius[i] + p->radius[j],
            reach = law_touch_length(r0 * b->m->growth) + b->m->margins.close;
-    if (b->initial && r2 < 0.25 * (r0 * r0) && !b->overlap) {
-        b->overlap = true;
-        b->close_a = i;
-        b->close_b = j;
-    }
     bool pressed = b->initial && is_pressed(b, i, j, r2, r0, law, relation);
-    if (pressed)
+    if (pressed || (b->initial && r2 < OVERLAP_MOST * OVERLAP_MOST * (r0 * r0)))
         note_overlap(b, i, j, r2, r0);
     if (!law->near)
         return;
@@ -426,14 +419,6 @@ enum dm2_status lists_build(struct lists *lists, const struct model *m, const st
     lists->far.start[p->n_own] = (uint32_t)b.far_count;
     lists->near.start[p->n_own] = (uint32_t)b.near_count;
     status = DM2_OK;
-    if (b.overlap)
-        status = dm2_fail(
-            err, DM2_DECK,
-            "elements %u and %u start closer than half their contact distance, near (%g, %g) cm: bodies "
-            "'%s' and '%s' overlap, a spacing is too small for its radius, or a period is no whole number of "
-            "spacings",
-            p->id[b.close_a], p->id[b.close_b], p->r[2 * b.close_a], p->r[2 * b.close_a + 1],
-            m->config->bodies[p->body[b.close_a]].name, m->config->bodies[p->body[b.close_b]].name);
 done:
     if (status == DM2_MEMORY)
         return dm2_fail(err, DM2_MEMORY, "no memory for the neighbour lists of %zu elements", p->n_own);

@@ -71,7 +71,7 @@ static inline void lists_carry_place(struct lists *lists, uint32_t a, struct car
 /* Builds both lists for the elements of p, which are in cell order, and gives the new entries the carried
  * memory (the calls above, for p->n_own rows, come first). With `initial`, lattice neighbours whose law has
  * initial_link start linked, unless the pair is pressed together, and lists->overlap has the pressed pairs.
- * DM2_MEMORY; DM2_DECK: with `initial`, two elements closer than half their contact distance; DM2_NUMERIC:
+ * DM2_MEMORY; DM2_NUMERIC:
  * more than 2^32 - 1 entries. */
 enum dm2_status lists_build(struct lists *lists, const struct model *m, const struct particles *p,
                             const struct cells *cells, bool initial, struct dm2_error *err);

@@ -39,5 +39,4 @@ void measures_merge(struct measures *m, const struct measures *part)
             exact_merge(&m->probe[p].v[a], &part->probe[p].v[a]);
         }
     }
-    overlap_merge(&m->overlap, &part->overlap);
 }

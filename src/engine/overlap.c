@@ -24,6 +24,19 @@ static const char *body_name(const struct config *c, uint16_t body)
     return body < c->n_bodies ? c->bodies[body].name : "?";
 }
 
+enum dm2_status overlap_check(const struct overlap *o, const struct config *c, struct dm2_error *err)
+{
+    if (o->pairs == 0 || o->ratio >= OVERLAP_MOST)
+        return DM2_OK;
+    return dm2_fail(
+        err, DM2_DECK,
+        "elements %u of '%s' at (%.6g, %.6g) cm and %u of '%s' at (%.6g, %.6g) cm start closer than "
+        "half their contact distance, at %.3g of it: the bodies overlap, a spacing is too small for "
+        "its radius, or a period is no whole number of spacings",
+        o->id[0], body_name(c, o->body[0]), o->r[0][0], o->r[0][1], o->id[1], body_name(c, o->body[1]),
+        o->r[1][0], o->r[1][1], o->ratio);
+}
+
 bool overlap_describe(const struct overlap *o, const struct config *c, char line[OVERLAP_LINE])
 {
     line[0] = '\0';

@@ -197,6 +197,11 @@ size_t subdomain_mirrored(const struct subdomain *sd)
     return sd->p.n - sd->p.n_own;
 }
 
+const struct overlap *subdomain_overlap(const struct subdomain *sd)
+{
+    return &sd->lists.overlap;
+}
+
 size_t subdomain_bytes(const struct subdomain *sd)
 {
     size_t bytes = sizeof *sd + particles_bytes(&sd->p) + lists_bytes(&sd->lists) +
@@ -271,8 +276,6 @@ static enum dm2_status integrate_motion(struct subdomain *sd, bool drift, double
         out->contacts = sd->totals.contacts;
         out->dt_share = sd->stiffness.dt_share;
         out->compression = sd->stiffness.compression;
-        if (sd->step == 0)
-            out->overlap = sd->lists.overlap;
     }
     subdomain_beat(sd);
     enum dm2_status status = leapfrog_move(sd->model, &sd->p, sd->step, drift, dmax, out, err);

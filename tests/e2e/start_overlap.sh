@@ -109,7 +109,49 @@ for quiet in 'overlap.dm2 gap=1' 'overlap.dm2 gap=0.985' 'joined.dm2 gap=1' 'sea
     [ ! -s said ] || fail "$quiet: a warning without a reason: $(cat said)"
 done
 
-# Closer than half is an error, as before.
+# Closer than half is an error, which names the deepest pair, the same for every search and number of servers.
+# Elements at one place have no finite force.
+{
+    printf '%s\n' "$head"
+    echo 'let deep = 0.3
+domain { size = 2 cm, 1 cm; r_c = 2*d; delta_r = 0.2*d }'
+    for at in '1.7 0.2 0.4' '0.2 0.8 0.45' '1.1 0.5 deep' '0.6 0.3 0.4'; do
+        set -- $at
+        for name in a b; do
+            x="($1 cm + $([ $name = a ] && echo 0 || echo "$3")*d)"
+            echo "body $name${1#*.}${2#*.} { shape = disc $x, $2 cm, d/4; material = Cu
+                spacing = d; origin = $x, $2 cm }"
+        done
+    done
+} >four.dm2
+# refused: dm2-seq and dm2-client with any cut and search end with this text.
+refused()
+{
+    for search in cells+lists lists cells; do
+        sed "s/delta_r/search = $search; delta_r/" four.dm2 >four-$search.dm2
+        for way in $ways; do
+            case $way in
+            seq) set -- dm2-seq -o refused.run ;;
+            check) set -- dm2-client -n 3 --check ;;
+            *) set -- dm2-client -n $way -o refused.run ;;
+            esac
+            program=$1
+            shift
+            expect_status 2 "$DM2_BIN/$program" four-$search.dm2 -D deep=$deep --overwrite "$@"
+            expect_text err "$text"
+            expect_text err "start closer than half their contact distance, at $deep of it"
+        done
+    done
+}
+deep=0.3
+text="elements 4 of 'a15' at (1.1, 0.5) cm and 5 of 'b15' at (1.112, 0.5) cm start"
+refused
+deep=0
+text="elements 4 of 'a15' at (1.1, 0.5) cm and 5 of 'b15' at (1.1, 0.5) cm start"
+refused
+deep=0.4 # three pairs alike but for the last bits
+text="elements 0 of 'a72' at"
+refused
 expect_status 2 "$DM2_BIN/dm2-seq" seam.dm2 -D short=0.55 --check
 expect_text err 'start closer than half their contact distance'
 expect_text err 'a period is no whole number of spacings'

@@ -194,8 +194,6 @@ static struct measures some_measures(void)
     m.elements = 17;
     m.probe[PROBE_MAX - 1].count = 3;
     (void)exact_add(&m.probe[PROBE_MAX - 1].v[1], -1.0, 40);
-    m.overlap = (struct overlap){
-        4, 0.625, {7, 9}, {1, 2}, {{0.25, -0.5}, {0.125, 1.5}}}; /* pairs, ratio, ids, bodies */
     return m;
 }
 
@@ -231,9 +229,6 @@ TEST(a_step_message_round_trip)
     CHECK_NEAR(out.measures.dt_share, in.measures.dt_share, 0);
     CHECK_NEAR(out.measures.compression, in.measures.compression, 0);
     CHECK(memcmp(&in.measures.probe, &out.measures.probe, sizeof in.measures.probe) == 0);
-    CHECK(in.measures.overlap.pairs == 4 && in.measures.overlap.ratio == 0.625);
-    CHECK(in.measures.overlap.id[1] == 9 && in.measures.overlap.body[1] == 2);
-    CHECK_SAME_BITS(in.measures.overlap.r[1][1], 1.5);
     CHECK_SAME_BITS(in.measures.p_min, INFINITY);
     for (size_t n = 0; n < w.length; n++) {
         r = bytes_reader_of(w.data, n);
@@ -332,6 +327,37 @@ TEST(an_assign_message_round_trip)
     message_get_assign(&r, &in);
     CHECK(r.failed);
     message_free_assign(&in);
+    bytes_free(&w);
+}
+
+TEST(a_ready_message_round_trip)
+{
+    struct bytes_writer w = {0};
+    /* pairs, ratio, ids, bodies, places */
+    struct overlap overlap = {4, 0.625, {7, 9}, {1, 2}, {{0.25, -0.5}, {0.125, 1.5}}};
+    struct ready_message out = {.owned = 5, .mirrored = 6, .bytes = 7, .hash = 8, .overlap = overlap}, in;
+    message_put_ready(&w, &out);
+    struct bytes_reader r = bytes_reader_of(w.data, w.length);
+    message_get_ready(&r, &in);
+    CHECK(!r.failed && in.owned == 5 && in.mirrored == 6 && in.bytes == 7 && in.hash == 8);
+    CHECK(in.overlap.pairs == 4 && in.overlap.ratio == 0.625);
+    CHECK(in.overlap.id[0] == 7 && in.overlap.id[1] == 9 && in.overlap.body[1] == 2);
+    CHECK_SAME_BITS(in.overlap.r[0][1], -0.5);
+    CHECK_SAME_BITS(in.overlap.r[1][1], 1.5);
+    for (size_t n = 0; n < w.length; n++) {
+        r = bytes_reader_of(w.data, n);
+        message_get_ready(&r, &in);
+        CHECK(r.failed);
+    }
+    const double wrong[] = {-0.5, 1.0, NAN};
+    for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; k++) {
+        bytes_clear(&w);
+        out.overlap.ratio = wrong[k];
+        message_put_ready(&w, &out);
+        r = bytes_reader_of(w.data, w.length);
+        message_get_ready(&r, &in);
+        CHECK(r.failed);
+    }
     bytes_free(&w);
 }
 
@@ -482,5 +508,5 @@ TEST(a_profile)
 
 TEST_MAIN(CASE(sizes), CASE(a_parcel_round_trip), CASE(invalid_elements), CASE(invalid_pairs),
           CASE(a_step_message_round_trip), CASE(a_deck_message_round_trip),
-          CASE(an_assign_message_round_trip), CASE(the_small_messages), CASE(a_state_is_compiled_from_parts),
-          CASE(a_state_with_an_invalid_element), CASE(a_profile))
+          CASE(an_assign_message_round_trip), CASE(a_ready_message_round_trip), CASE(the_small_messages),
+          CASE(a_state_is_compiled_from_parts), CASE(a_state_with_an_invalid_element), CASE(a_profile))

@@ -16,6 +16,7 @@
 #include "dm2/cluster/decomposition.h"
 #include "dm2/deck/deck.h"
 #include "dm2/engine/measures.h"
+#include "dm2/engine/overlap.h"
 #include "dm2/engine/rebuild.h"
 #include "dm2/engine/section.h"
 #include "dm2/net/frame.h"
@@ -115,6 +116,7 @@ struct assign_message {
 struct ready_message {
     uint64_t owned, mirrored, bytes;
     uint64_t hash; /* of the state before the first step, where hash_every > 0 */
+    struct overlap overlap;
 };
 
 struct step_message {

@@ -45,6 +45,10 @@ void wire_get_measured(struct bytes_reader *r, struct element_measure *out);
 void wire_put_measures(struct bytes_writer *w, const struct measures *m);
 void wire_get_measures(struct bytes_reader *r, struct measures *out);
 
+/* The pairs of a subdomain that start pressed together. */
+void wire_put_overlap(struct bytes_writer *w, const struct overlap *o);
+void wire_get_overlap(struct bytes_reader *r, struct overlap *out);
+
 /* A bin of a profile; any bits are valid. */
 void wire_put_bin(struct bytes_writer *w, const struct profile_bin *b);
 void wire_get_bin(struct bytes_reader *r, struct profile_bin *out);

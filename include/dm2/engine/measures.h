@@ -7,7 +7,6 @@
 
 #include "dm2/base/exact.h"
 #include "dm2/deck/config.h"
-#include "dm2/engine/overlap.h"
 
 /* The shift (dm2/base/exact.h) of each kind of sum. All follow from the deck, so that all servers have the
  * same. */
@@ -33,7 +32,6 @@ struct measures {
     double dt_share;    /* largest share of the present limit that dt is (engine/stiffness.h); 0: not known */
     double compression; /* largest 1 - x/r0 of bonds and contacts, at least 0 */
     struct probe_sums probe[PROBE_MAX];
-    struct overlap overlap; /* of step 0; afterwards no pairs */
 };
 
 /* Sets the measures of no element: zero sums, infinite extremes. */

@@ -32,6 +32,7 @@
 #include "dm2/engine/measures.h"
 #include "dm2/engine/model.h"
 #include "dm2/engine/profile.h"
+#include "dm2/engine/overlap.h"
 #include "dm2/engine/rebuild.h"
 #include "dm2/engine/section.h"
 
@@ -41,8 +42,9 @@ enum { SUBDOMAIN_CELL_BYTES = 49 };
 struct subdomain;
 
 /* Generates the elements that `rank` owns or mirrors, links them and builds the lists: the state of step 0.
- * The model and the map are borrowed; *out is the caller's, to be freed by subdomain_free. DM2_DECK: the
- * deck's bodies overlap or hold no element. */
+ * The model and the map are borrowed; *out is the caller's, to be freed by subdomain_free. Forces make no
+ * sense before overlap_check has passed the merged overlaps of all ranks. DM2_DECK: a body holds no
+ * element. */
 enum dm2_status subdomain_create(const struct model *model, const struct domain_map *map, int rank,
                                  struct subdomain **out, struct dm2_error *err);
 
@@ -58,6 +60,9 @@ int64_t subdomain_step(const struct subdomain *sd);    /* steps moved since the 
 size_t subdomain_owned(const struct subdomain *sd);    /* elements owned */
 size_t subdomain_mirrored(const struct subdomain *sd); /* elements mirrored from other ranks */
 size_t subdomain_bytes(const struct subdomain *sd);    /* memory held */
+
+/* Pairs that subdomain_create found pressed together; of a restored subdomain none. */
+const struct overlap *subdomain_overlap(const struct subdomain *sd);
 
 /* Forces and heats at the present positions. With `measure`, also the measures of subdomain_move and
  * subdomain_measure_last, and the `measured` of subdomain_collect. DM2_NUMERIC: the fixed-point sums
