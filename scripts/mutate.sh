@@ -4,18 +4,20 @@
 #     sh scripts/mutate.sh [-l] [-e N] [-s N] [-t SECONDS] [-T "TEST..."] [FILE...]
 #
 # FILE: default the files of the laws. A mutant is a number (times 1.02; 0 becomes 0.001), a comparison (turned round; its
-# right side times 1.02), or a sum, difference, product or quotient (its opposite). Each is built in a copy of the tree
-# under build/mutate; the first test that fails kills it. A mutant that does not compile or uses more than 30 s of
-# the processor is dead, too.
+# right side times 1.02), or a sum, difference, product or quotient (its opposite). In a copy of the tree under
+# build/mutate, at -O1, the objects of each test that the mutant reaches are compiled, before the test is linked; the
+# first test that fails kills the mutant, and comes first for the next. A mutant that does not compile or uses more than
+# 20 s of the processor is dead, too; where the compiler makes the same code, the mutant is none.
 #
 #     -l  lists the mutants, builds none     -e N  every N-th mutant only     -s N  begins behind the N-th
 #     -t  begins no mutant after so many seconds      -T  the unit tests, in this order, without `test_`
 #
-# Not a part of `make test`: some seconds per mutant of a .c, half a minute of a header. docs/mutants.md explains those that live. Exit status 1: some live.
+# Not a part of `make test`: a second per mutant, some of a header. docs/mutants.md explains those that live. Exit
+# status 1: some live.
 set -u
 
 list=0 every=1 skip=0 seconds=3600
-tests='constants mixtures law mechanics thermo lattice strain reaction'
+tests='constants mixtures restitution law strain stiffness mechanics lattice reaction thermo'
 while getopts le:s:t:T: option; do
     case $option in
     l) list=1 ;;
@@ -23,7 +25,7 @@ while getopts le:s:t:T: option; do
     s) skip=$OPTARG ;;
     t) seconds=$OPTARG ;;
     T) tests=$OPTARG ;;
-    *) sed -n '4,15s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
+    *) sed -n '4,17s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
     esac
 done
 shift $((OPTIND - 1))
@@ -93,29 +95,89 @@ find Makefile src include input tests/unit tests/decks -type f | while read -r f
 done
 home=$PWD
 cd "$work/tree" || exit 2
-build() { make -j2 BUILD=build/mutant BIN=build/mutant/bin CFLAGS=-O1 WARN= "build/mutant/tests/test_$1" >build.log 2>&1; }
+built=build/mutant
+: >build.log
+# shellcheck disable=SC2046 # one word per test
+make -j1 BUILD=$built BIN=$built/bin CFLAGS=-O1 WARN= $(printf "$built/tests/test_%s " $tests) >build.log 2>&1 ||
+    { echo "mutate.sh: the tests do not build" >&2; tail -n 20 build.log; exit 2; }
+compile=$(cat $built/flags)
+for test in $tests; do # the sources of each test
+    {
+        echo "tests/unit/test_$test.c"
+        ${compile%% *} -Wl,-M -o /dev/null "$built/tests/unit/test_$test.o" $built/libdm2.a -lm |
+            sed -n 's/^[^ ]*libdm2\.a(\([a-z0-9_]*\)\.o)$/\1.c/p' | sort -u | while read -r name; do echo src/*/"$name"; done
+    } >"members-$test"
+    (DM2_SRC=$PWD $built/tests/test_"$test" >test.log 2>&1) ||
+        { echo "mutate.sh: test_$test fails without a mutant" >&2; tail -n 20 test.log; exit 2; }
+done
 
-# killed: builds and runs the tests in turn; names the first that does not build or fails.
-killed()
+# names_at FILE LINE: the function of a header around this line, and the functions of headers that call it, as a regular
+# expression; empty outside functions.
+names_at()
 {
-    for test in $tests; do
-        build "$test" && (ulimit -t 30 && DM2_SRC=$PWD build/mutant/tests/test_"$test" >test.log 2>&1) 2>/dev/null ||
-            { echo "$test"; return; }
+    names=$(awk -v at="$2" 'FNR > at { exit } /^(static|DM2_INLINE).*\(/ { split($0, part, "("); name = part[1] }
+        /^}/ && FNR < at { name = "" } END { sub(/.*[ *]/, "", name); print name }' "$1")
+    before=
+    while [ "$names" != "$before" ] && [ -n "$names" ]; do
+        before=$names
+        names=$({ printf '%s\n' "$before" | tr '|' '\n'; awk -v names="$before" '
+            /^(static|DM2_INLINE).*\(/ { split($0, part, "("); name = part[1]; sub(/.*[ *]/, "", name) }
+            name != "" && $0 ~ "(^|[^a-z0-9_])(" names ")\\(" { print name }
+            /^}/ { name = "" }' src/*/*.h; } | sort -u | paste -sd '|' -)
+    done
+    printf '%s' "$names"
+}
+
+# reached FILE LINE: the sources whose objects a mutant there reaches.
+reached()
+{
+    case $1 in *.c) echo "$1"; return ;; esac
+    names=$(names_at "$1" "$2")
+    find $built -name '*.d' -exec grep -l -F "${1#src/}" {} + | sed "s#^$built/##; s#\.d\$#.c#" | while read -r source; do
+        [ -n "$names" ] && ! grep -q -E "(^|[^a-z0-9_])($names)\\(" "$source" || echo "$source"
     done
 }
-first=$(killed)
-[ -z "$first" ] || { echo "mutate.sh: test_$first fails without a mutant" >&2; tail -n 20 build.log test.log; exit 2; }
 
-begin=$(date +%s) tried=0 alive=0
+# killed: builds and runs the tests in turn; names the first that does not build or fails, or says that no code changed.
+killed()
+{
+    rm -rf objects
+    changed=0
+    for test in $tests; do
+        grep -q -x -F -f reached "members-$test" || continue
+        objects=
+        for source in $(grep -x -F -f reached "members-$test"); do
+            object=objects/${source%.c}.o
+            if [ ! -f "$object" ]; then
+                mkdir -p "${object%/*}"
+                $compile -Isrc -Itests/unit -MF objects/d -c -o "$object" "$source" >build.log 2>&1 || { echo build; return; }
+                cmp -s "$object" "$built/${source%.c}.o" || changed=1
+            fi
+            case $source in tests/*) ;; *) objects="$objects $object" ;; esac
+        done
+        main=objects/tests/unit/test_$test.o
+        [ -f "$main" ] || main=$built/tests/unit/test_$test.o
+        ${compile%% *} -o objects/test "$main" $objects $built/libdm2.a -lm >build.log 2>&1 || { echo build; return; }
+        (ulimit -t 20 && DM2_SRC=$PWD objects/test >test.log 2>&1) 2>/dev/null || { echo "$test"; return; }
+    done
+    [ $changed = 1 ] || echo same
+}
+
+begin=$(date +%s) tried=0 alive=0 same=0
 while read -r file line column length to; do
     [ $(($(date +%s) - begin)) -lt "$seconds" ] || break
     tried=$((tried + 1))
     mutate "$line" "$column" "$length" "$to" <"$home/$file" >"$file"
-    if [ -z "$(killed)" ]; then
-        alive=$((alive + 1))
-        echo "$file:$line:$column: $(printf %s "$to" | tr _ ' ')   $(sed -n "${line}s/^ *//p" "$file")"
-    fi
-    cp "$home/$file" "$file"
+    reached "$file" "$line" >reached
+    by=$(killed)
+    case $by in
+    '') alive=$((alive + 1))
+        echo "$file:$line:$column: $(printf %s "$to" | tr _ ' ')   $(sed -n "${line}s/^ *//p" "$file")" ;;
+    same) same=$((same + 1)) ;;
+    build) ;;
+    *) tests="$by $(printf '%s\n' $tests | grep -v -x "$by" | paste -sd ' ' -)" ;;
+    esac
+    cp -p "$home/$file" "$file"
 done <"$home/$work/mutants"
-echo "$tried of $((count)) mutants tried, $alive live"
+echo "$tried of $((count)) mutants tried, $same make no other code, $alive live"
 [ $alive = 0 ]

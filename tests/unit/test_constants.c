@@ -46,6 +46,8 @@ TEST(shear_stiffness_stays_within_its_bounds)
         CHECK_NEAR(lattice_shear_stiffness(&a, &a, 1.0), want[k], 1e-15);
         CHECK_NEAR(lattice_shear_stiffness(&a, &none, 1.0), 0.0, 0.0);
         CHECK_NEAR_REL(lattice_shear_modulus(1.0, want[k]), 0.25 * root3 * (1.0 + want[k]), 1e-15);
+        a.shear *= 3.0;
+        CHECK_NEAR(lattice_shear_stiffness(&a, &a, 3.0), 3.0 * want[k], 5e-15);
     }
 }
 
@@ -59,7 +61,8 @@ TEST(strength_is_the_strongest_pull)
         for (double x = r0; x < 2.0 * r0 && p != POTENTIAL_QUADRATIC; x += 1e-5 * r0)
             most = fmax(most, -potential_force(&law, x, r0, &u));
         if (p == POTENTIAL_QUADRATIC)
-            CHECK(isinf(claimed));
+            CHECK(isinf(claimed) &&
+                  fabs(lattice_strength_to(law.potential, 1.4, 2.9, 1.25) - 0.35 * root3) < 1e-15);
         else
             CHECK_NEAR_REL(claimed, most / (r0 / root3), 1e-8);
     }
@@ -85,6 +88,10 @@ TEST(bonds_know_their_peak)
                            -potential_force(&law, at, r0, &u), 1e-12);
         }
         CHECK_NEAR_REL(pull, lattice_strength(law.potential, law.k, law.shape) * bond.area, 1e-14);
+        double near_peak = bond.peak / r0 - 0.001, beyond = bond.peak / r0 + 0.001;
+        CHECK_NEAR_REL(lattice_strength_to(law.potential, law.k, law.shape, beyond) * bond.area, pull, 1e-14);
+        CHECK_NEAR_REL(lattice_strength_to(law.potential, law.k, law.shape, near_peak) * bond.area,
+                       -potential_force(&law, near_peak * r0, r0, &u), 1e-12);
         for (int side = -1; side <= 1; side += 2)
             CHECK(-potential_force(&law, bond.peak * (1.0 + 1e-4 * side), r0, &u) < pull);
         if (p == POTENTIAL_LENNARD_JONES)
