@@ -173,8 +173,27 @@ static void check_reaction(const struct deck_binding *b, size_t i)
     warn_cooling(b, i);
 }
 
+/* Warns of `softening` in a block of this material where neither the block's own state nor a phase, which may
+ * take the keyword over, has a melting temperature. */
+static void warn_softening(const struct deck_binding *b, int material, size_t block, double tm)
+{
+    const struct config *c = b->config;
+    for (size_t i = 0; i < c->n_phases; i++)
+        tm = c->phases[i].material == material && isnan(tm) ? c->phases[i].state.tm : tm;
+    if (binding_given(b, block, "softening") && isnan(tm))
+        findings_warn(
+            b->findings, binding_place(b, block, "softening", 0),
+            "'softening' has no meaning without 'tm', the temperature at which the strength of '%s' ends",
+            c->materials[material].name);
+}
+
 void check_chemistry(const struct deck_binding *b)
 {
+    for (size_t i = 0; i < b->config->n_materials; i++)
+        warn_softening(b, (int)i, b->blocks[BLOCK_MATERIAL][i], b->config->materials[i].tm);
+    for (size_t i = 0; i < b->config->n_phases; i++)
+        warn_softening(b, b->config->phases[i].material, b->blocks[BLOCK_PHASE][i],
+                       b->config->phases[i].state.tm);
     for (size_t i = 0; i < b->config->n_phases; i++)
         check_phase(b, i);
     for (size_t i = 0; i < b->config->n_reactions; i++)
