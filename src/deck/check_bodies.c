@@ -2,6 +2,7 @@
  * bodies lie in the domain, whether bodies overlap. */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "dm2/base/mem.h"
 #include "dm2/deck/shape.h"
@@ -126,17 +127,36 @@ static void check_structure(const struct deck_binding *b, size_t i)
     }
 }
 
-/* Asks about an angle beyond a full turn, which is likely one in degrees without the unit. */
+/* Is the text at the place a number without a unit? */
+static bool is_plain_number(const struct deck_binding *b, struct deck_place place)
+{
+    const char *bytes = place_bytes(b->findings->source, place);
+    size_t n = 0;
+    while (n < place.length && strchr("+-.0123456789eE ", bytes[n]) != NULL)
+        n++;
+    return n == place.length;
+}
+
+/* Asks about an angle beyond a full turn: a plain number is likely one in degrees without the unit. */
 static void check_angle(const struct deck_binding *b, size_t i)
 {
     static const double turn = 6.283185307179586;
     const struct body_config *body = &b->config->bodies[i];
+    struct deck_place place = binding_place(b, b->blocks[BLOCK_BODY][i], "angle", 0);
     struct number_text t;
-    if (fabs(body->angle) > turn * (1 + 1e-9))
-        findings_warn(b->findings, binding_place(b, b->blocks[BLOCK_BODY][i], "angle", 0),
+    if (!(fabs(body->angle) > turn * (1 + 1e-9)))
+        return;
+    if (is_plain_number(b, place))
+        findings_warn(b->findings, place,
                       "the lattice of the body '%s' is turned by %s radians, more than a full turn: %s is a "
                       "number of radians, %s deg is an angle in degrees",
                       body->name, number_text(body->angle, &t), t.text, t.text);
+    else
+        findings_warn(
+            b->findings, place,
+            "the lattice of the body '%s' is turned by %.6g deg, more than a full turn: %.6g deg is "
+            "the same lattice",
+            body->name, body->angle * (360.0 / turn), fmod(body->angle, turn) * (360.0 / turn) + 0.0);
 }
 
 static void check_in_domain(const struct deck_binding *b, size_t i)
