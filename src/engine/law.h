@@ -145,20 +145,24 @@ static inline struct bond law_bond(const struct pair_law *law, double r0)
                      .forms = law->link_form * r0,
                      .breaks = law->link_break * law_touch_length(r0),
                      .area = r0 * 0x1.279a74590331dp-1 /* 1/sqrt(3) */};
-    if (law->potential == POTENTIAL_MORSE) {
-        double a = r0 / law->shape;
+    double a = r0 / law->shape; /* of Morse alone */
+    switch (law->potential) {
+    case POTENTIAL_MORSE:
         b.alpha = law->shape / r0;
         b.force = law->k * a;
         b.energy = 0.5 * law->k * (a * a);
         b.peak = r0 * (1.0 + 0x1.62e42fefa39efp-1 / law->shape); /* E = 1/2 */
-    } else if (law->potential == POTENTIAL_QUADRATIC) {
+        break;
+    case POTENTIAL_QUADRATIC:
         b.force = law->k;
         b.energy = 0.5 * law->k;
         b.peak = INFINITY;
-    } else {
+        break;
+    case POTENTIAL_LENNARD_JONES:
         b.force = law->k * (r0 * r0) * (1.0 / 6.0);
         b.energy = law->k * (r0 * r0) * (1.0 / 72.0);
         b.peak = r0 * 0x1.1bd2ad2dcb0c6p0; /* (13/7)^(1/6) */
+        break;
     }
     return b;
 }
@@ -166,22 +170,29 @@ static inline struct bond law_bond(const struct pair_law *law, double r0)
 /* Force, and energy with its zero at r0, of the potential at bond length x = r - e:
  *   Morse          f = 2 D alpha (E^2 - E), u = D (1 - E)^2, E = exp(-alpha (x - r0)), D = k/(2 alpha^2)
  *   quadratic      f = -k (x - r0), u = k (x - r0)^2/2
- *   Lennard-Jones  f = (12 eps/x)((r0/x)^12 - (r0/x)^6), u = eps ((r0/x)^6 - 1)^2, eps = k r0^2/72 */
+ *   Lennard-Jones  f = (12 eps/x)((r0/x)^12 - (r0/x)^6), u = eps ((r0/x)^6 - 1)^2, eps = k r0^2/72
+ * Not a number for any other potential, so that the run ends. */
 DM2_INLINE double bond_force(const struct pair_law *law, const struct bond *b, double x, double *energy)
 {
-    if (law->potential == POTENTIAL_MORSE) {
+    switch (law->potential) {
+    case POTENTIAL_MORSE: {
         double e = real_exp(law->shape - b->alpha * x);
         *energy = b->energy * ((1.0 - e) * (1.0 - e));
         return b->force * (e * e - e);
     }
-    if (law->potential == POTENTIAL_QUADRATIC) {
+    case POTENTIAL_QUADRATIC: {
         double d = b->r0 - x;
         *energy = b->energy * (d * d);
         return b->force * d;
     }
-    double over_x = 1.0 / x, q = b->r0 * over_x, q2 = q * q, q6 = q2 * q2 * q2;
-    *energy = b->energy * ((q6 - 1.0) * (q6 - 1.0));
-    return b->force * (q6 * q6 - q6) * over_x;
+    case POTENTIAL_LENNARD_JONES: {
+        double over_x = 1.0 / x, q = b->r0 * over_x, q2 = q * q, q6 = q2 * q2 * q2;
+        *energy = b->energy * ((q6 - 1.0) * (q6 - 1.0));
+        return b->force * (q6 * q6 - q6) * over_x;
+    }
+    }
+    *energy = NAN;
+    return NAN;
 }
 
 /* bond_force for a contact distance r0 whose constants are not at hand. */

@@ -68,6 +68,13 @@ TEST(strength_is_the_strongest_pull)
     }
 }
 
+TEST(no_other_potential_has_a_force)
+{
+    struct pair_law law = {.potential = (enum potential_kind)(POTENTIAL_LENNARD_JONES + 1), .k = 1.4};
+    double u = 0.0;
+    CHECK(isnan(potential_force(&law, 0.9, 1.0, &u)) && isnan(u));
+}
+
 /* The facet, and the length of the strongest pull: shorter and longer bonds pull less, and a bond that may
  * yield has yielded beyond. */
 TEST(bonds_know_their_peak)
@@ -437,10 +444,11 @@ TEST(far_laws_are_uniform_where_nothing_differs)
 }
 
 TEST_MAIN(CASE(lattice_constants_follow_from_hugoniot_data), CASE(shear_stiffness_stays_within_its_bounds),
-          CASE(strength_is_the_strongest_pull), CASE(bonds_know_their_peak),
-          CASE(laws_follow_their_calibration), CASE(shapes_of_the_calibrations_differ),
-          CASE(friction_has_a_spring), CASE(laws_have_the_constants_of_the_deck),
-          CASE(phases_have_their_size), CASE(growth_is_that_of_the_sizes), CASE(small_constants_are_not_none),
+          CASE(strength_is_the_strongest_pull), CASE(no_other_potential_has_a_force),
+          CASE(bonds_know_their_peak), CASE(laws_follow_their_calibration),
+          CASE(shapes_of_the_calibrations_differ), CASE(friction_has_a_spring),
+          CASE(laws_have_the_constants_of_the_deck), CASE(phases_have_their_size),
+          CASE(growth_is_that_of_the_sizes), CASE(small_constants_are_not_none),
           CASE(damping_by_temperature_needs_no_pressure), CASE(stable_steps_are_those_of_the_stiffest_mode),
           CASE(stable_steps_take_the_pair_s_own_mass), CASE(steps_above_the_stable_one_are_refused),
           CASE(far_laws_are_uniform_where_nothing_differs))
