@@ -332,6 +332,8 @@ static enum dm2_status read_includes(struct reading *reading, size_t text, struc
     findings_start(ignored, source);
     (void)deck_lex(source->texts[text].text, source->texts[text].length, (int)text, &reading->budget, &tokens,
                    ignored);
+    if (ignored->no_memory)
+        status = dm2_fail(err, DM2_MEMORY, "no memory to read the deck");
     int open = 0;
     bool begins = true, in_load = false;
     for (size_t i = 0; status == DM2_OK && i + 1 < tokens.n; i++) {

@@ -93,14 +93,13 @@ static enum dm2_status build_law(const struct model *m, size_t ia, size_t ib, en
 }
 
 /* Fills the constants cn_mass to bond of the laws between kinds whose elements all have one radius, hence one
- * mass. Without memory for the radii no law has these constants, and the pair loop computes them for each
- * pair. */
-static void find_uniform_kinds(struct model *m)
+ * mass. DM2_MEMORY. */
+static enum dm2_status find_uniform_kinds(struct model *m, struct dm2_error *err)
 {
     const struct config *c = m->config;
     double *radius = mem_zalloc(c->n_materials, sizeof *radius); /* 0: no element yet, -1: several masses */
     if (radius == NULL)
-        return;
+        return dm2_fail(err, DM2_MEMORY, "no memory for the laws of %zu kinds", m->n_kinds);
     for (size_t b = 0; b < c->n_bodies; b++) {
         for (size_t i = 0; i < c->bodies[b].n_mix; i++) {
             double *r = &radius[c->bodies[b].mix_material[i]];
@@ -130,6 +129,7 @@ static void find_uniform_kinds(struct model *m)
         }
     }
     free(radius);
+    return DM2_OK;
 }
 
 enum dm2_status laws_build(struct model *m, struct dm2_error *err)
@@ -166,6 +166,5 @@ enum dm2_status laws_build(struct model *m, struct dm2_error *err)
                          only[rel].shape == only[0].shape && only[rel].eps12 == only[0].eps12 &&
                          only[rel].cutoff2 == only[0].cutoff2;
     m->wide_far = m->uniform_far && only->eps12 > 0.0;
-    find_uniform_kinds(m);
-    return DM2_OK;
+    return find_uniform_kinds(m, err);
 }

@@ -8,7 +8,7 @@
 
 /* Fills m->laws[n_kinds * n_kinds * RELATION_COUNT], which the caller allocated, and the flags of the model
  * that follow from the laws (has_far to has_pressure, uniform_far, wide_far, wide_near, far_cutoff). Needs
- * kinds and reaction. DM2_DECK where a pair has no stiffness or a Morse potential no shape. */
+ * kinds and reaction. DM2_DECK where a pair has no stiffness or a Morse potential no shape; DM2_MEMORY. */
 enum dm2_status laws_build(struct model *m, struct dm2_error *err);
 
 #endif
