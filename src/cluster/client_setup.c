@@ -159,6 +159,19 @@ static enum dm2_status send_hello(struct client *c, int rank, bool turn, struct 
     return conversation_send(&c->talk, rank, MESSAGE_HELLO, err);
 }
 
+/* Fails because ranks a and b are one server under two names; says where a hosts file names them. */
+static enum dm2_status refuse_same_server(struct client *c, int a, int b, struct dm2_error *err)
+{
+    const int line[2] = {c->course->stations[a].at.line, c->course->stations[b].at.line};
+    char text[SOCKET_NAME + 150], lines[80] = "";
+    if (line[0] > 0 && line[1] > 0)
+        (void)snprintf(lines, sizeof lines, " (lines %d and %d of the hosts file)", line[0], line[1]);
+    (void)snprintf(text, sizeof text,
+                   "it is the same server as %s, under another name%s: name each server once",
+                   c->talk.peers[a].channel.name, lines);
+    return conversation_failed(&c->talk, b, DM2_PROTOCOL, text, err);
+}
+
 /* Sorts the ranks into order[ranks] by the ids of their servers. DM2_PROTOCOL: two are one server. */
 static enum dm2_status order_servers(struct client *c, int *order, struct dm2_error *err)
 {
@@ -168,13 +181,8 @@ static enum dm2_status order_servers(struct client *c, int *order, struct dm2_er
         for (; at > 0 && memcmp(c->answers[order[at - 1]].place.id, id, SERVER_ID) > 0; at--)
             order[at] = order[at - 1];
         order[at] = k;
-        if (at > 0 && memcmp(c->answers[order[at - 1]].place.id, id, SERVER_ID) == 0) {
-            char text[SOCKET_NAME + 100];
-            (void)snprintf(text, sizeof text,
-                           "it is the same server as %s, under another name: name each server once",
-                           c->talk.peers[order[at - 1]].channel.name);
-            return conversation_failed(&c->talk, k, DM2_PROTOCOL, text, err);
-        }
+        if (at > 0 && memcmp(c->answers[order[at - 1]].place.id, id, SERVER_ID) == 0)
+            return refuse_same_server(c, order[at - 1], k, err);
     }
     return DM2_OK;
 }

@@ -30,9 +30,12 @@ expect_status 2 "$client" -q -o run --server "$SERVER_ADDR" --server "$SERVER_AD
 expect_text err "server '$SERVER_ADDR' is named before"
 
 # The same server by another name says so itself: exit status 3, without waiting for --timeout.
-printf '%s\nlocalhost:%s\n' "$SERVER_ADDR" "$SERVER_PORT" >names
+printf '# two names\n%s\n\nlocalhost:%s\n' "$SERVER_ADDR" "$SERVER_PORT" >names
 expect_status 3 "$client" -q -o run --hosts names --timeout 100 discs.dm2
-expect_text err "it is the same server as "
+expect_text err "it is the same server as $SERVER_ADDR"
+expect_text err ', under another name (lines 2 and 4 of the hosts file): name each server once'
+expect_status 3 "$client" -q -o run --server "$SERVER_ADDR" --server "localhost:$SERVER_PORT" discs.dm2
+expect_text err ', under another name: name each server once'
 [ ! -e run/final.dm2 ] || fail "a refused run left results"
 
 # Who waits for a server longer than --timeout is told whom the server serves.
