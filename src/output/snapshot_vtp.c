@@ -1,0 +1,272 @@
+/* The .vtp writer. VTK's XML requires array after array, so the writer passes over the elements once per
+ * array and sends the values through a base64 encoder, 3072 bytes at a time, into the file's buffer: the
+ * state is never copied.
+ *
+ * VTK facts that are easy to get wrong: an inline binary array is one base64 stream of a UInt64 byte count
+ * followed by the values (VTKFile version 1.0 with header_type); an array of strings is an <Array>, and in
+ * ascii its characters are numbers with a 0 after each string. */
+#include <inttypes.h>
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "dm2/base/file.h"
+#include "dm2/base/number.h"
+#include "snapshot_fields.h"
+
+static const struct {
+    const char *name;
+    size_t bytes;
+} type_info[] = {{"UInt8", 1}, {"UInt16", 2}, {"UInt32", 4}, {"Int32", 4}, {"Int64", 8}, {"Float64", 8}};
+
+/* --- base64 --- */
+
+enum { RAW_BYTES = FILE_RESERVE_MAX / 4 * 3 };
+
+struct base64 {
+    struct file_out *file;
+    size_t used;
+    unsigned char raw[RAW_BYTES];
+};
+
+static void base64_flush(struct base64 *b)
+{
+    static const char digit[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    size_t padding = (3 - b->used % 3) % 3, groups = (b->used + padding) / 3;
+    memset(b->raw + b->used, 0, padding);
+    unsigned char *out = file_reserve(b->file, groups * 4);
+    const unsigned char *in = b->raw;
+    for (size_t g = 0; g < groups; g++, in += 3) {
+        uint32_t bits = (uint32_t)in[0] << 16 | (uint32_t)in[1] << 8 | in[2];
+        for (int shift = 18; shift >= 0; shift -= 6)
+            *out++ = (unsigned char)digit[bits >> shift & 63];
+    }
+    for (size_t p = 1; p <= padding; p++)
+        out[-(ptrdiff_t)p] = '=';
+    file_filled(b->file, groups * 4);
+    b->used = 0;
+}
+
+/* Appends the low `bytes` bytes of `bits`, the lowest first. RAW_BYTES is a multiple of every width up to
+ * 8. */
+static inline void base64_put(struct base64 *b, uint64_t bits, size_t bytes)
+{
+    if (b->used + bytes > RAW_BYTES)
+        base64_flush(b);
+    for (size_t k = 0; k < bytes; k++)
+        b->raw[b->used + k] = (unsigned char)(bits >> (8 * k));
+    b->used += bytes;
+}
+
+/* The bits of x, of +0 where x is -0. */
+static inline uint64_t bits_of(double x)
+{
+    uint64_t bits;
+    x = number_plus_zero(x);
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+
+/* --- .vtp --- */
+
+static void open_array(struct base64 *b, const struct snapshot_field *f, size_t n)
+{
+    file_printf(b->file, "        <DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\"",
+                type_info[f->type].name, f->name, f->components);
+    for (int c = 0; c < f->components && f->component[c] != NULL; c++)
+        file_printf(b->file, " ComponentName%d=\"%s\"", c, f->component[c]);
+    file_puts(b->file, " format=\"binary\">");
+    base64_put(b, n * (uint64_t)f->components * type_info[f->type].bytes, 8);
+}
+
+static void close_array(struct base64 *b)
+{
+    base64_flush(b);
+    file_puts(b->file, "</DataArray>\n");
+}
+
+static void write_field(struct base64 *b, const struct snapshot_field *f, const struct snapshot *s)
+{
+    open_array(b, f, s->n_elements);
+    for (size_t i = 0; i < s->n_elements; i++) {
+        double value[3];
+        f->get(s, i, value);
+        for (int c = 0; c < f->components; c++)
+            base64_put(b, f->type == TYPE_F64 ? bits_of(value[c]) : (uint64_t)(int64_t)value[c],
+                       type_info[f->type].bytes);
+    }
+    close_array(b);
+}
+
+static const struct snapshot_field connectivity[] = {
+    {"connectivity", NULL, TYPE_I32, 1, {NULL, NULL, NULL}, NULL, NULL},
+    {"connectivity", NULL, TYPE_I64, 1, {NULL, NULL, NULL}, NULL, NULL}};
+static const struct snapshot_field offsets[] = {
+    {"offsets", NULL, TYPE_I32, 1, {NULL, NULL, NULL}, NULL, NULL},
+    {"offsets", NULL, TYPE_I64, 1, {NULL, NULL, NULL}, NULL, NULL}};
+
+/* Vertices and lines are a third of the file, so their indices are 32 bits wide where they fit. */
+static bool is_long(size_t largest)
+{
+    return largest > INT32_MAX;
+}
+
+/* Offsets of n vertices or lines with `points` points each. */
+static void write_offsets(struct base64 *b, size_t n, size_t points)
+{
+    const struct snapshot_field *f = &offsets[is_long(n * points)];
+    open_array(b, f, n);
+    for (size_t i = 1; i <= n; i++)
+        base64_put(b, (uint64_t)(i * points), type_info[f->type].bytes);
+    close_array(b);
+}
+
+static void write_vertices(struct base64 *b, size_t n)
+{
+    file_puts(b->file, "      <Verts>\n");
+    const struct snapshot_field *f = &connectivity[is_long(n)];
+    open_array(b, f, n);
+    for (size_t i = 0; i < n; i++)
+        base64_put(b, (uint64_t)i, type_info[f->type].bytes);
+    close_array(b);
+    write_offsets(b, n, 1);
+    file_puts(b->file, "      </Verts>\n");
+}
+
+/* Whether the pair is drawn as a line; then end[] gets the indices of its two points. */
+static bool is_line(const struct snapshot *s, const struct pair_record *pair, size_t end[2])
+{
+    if (pair->linked == 0)
+        return false;
+    end[0] = element_find(s->elements, s->n_elements, pair->id_a);
+    end[1] = element_find(s->elements, s->n_elements, pair->id_b);
+    const struct config *c = s->config;
+    for (int axis = 0; axis < 2; axis++) {
+        double length = fabs(s->elements[end[0]].r[axis] - s->elements[end[1]].r[axis]);
+        if (c->periodic[axis] && length > 0.5 * c->size[axis])
+            return false;
+    }
+    return true;
+}
+
+static void write_lines(struct base64 *b, const struct snapshot *s, size_t n_lines)
+{
+    size_t end[2];
+    const struct snapshot_field *f = &connectivity[is_long(s->n_elements)];
+    file_puts(b->file, "      <Lines>\n");
+    open_array(b, f, 2 * n_lines);
+    for (size_t p = 0; p < s->n_pairs; p++) {
+        if (is_line(s, &s->pairs[p], end)) {
+            base64_put(b, end[0], type_info[f->type].bytes);
+            base64_put(b, end[1], type_info[f->type].bytes);
+        }
+    }
+    close_array(b);
+    write_offsets(b, n_lines, 2);
+    file_puts(b->file, "      </Lines>\n");
+}
+
+static void write_doubles(struct file_out *f, const char *name, const double *values, size_t n)
+{
+    file_printf(f, "      <DataArray type=\"Float64\" Name=\"%s\" NumberOfTuples=\"%zu\" format=\"ascii\">",
+                name, n);
+    for (size_t i = 0; i < n; i++) {
+        char text[NUMBER_TEXT_MAX];
+        number_format(values[i], text);
+        file_printf(f, "%s%s", i == 0 ? "" : " ", text);
+    }
+    file_puts(f, "</DataArray>\n");
+}
+
+static void open_string_array(struct file_out *f, const char *name, size_t n)
+{
+    file_printf(f, "      <Array type=\"String\" Name=\"%s\" NumberOfTuples=\"%zu\" format=\"ascii\">", name,
+                n);
+}
+
+static void write_string(struct file_out *f, const char *text)
+{
+    for (const char *c = text; *c != '\0'; c++)
+        file_printf(f, "%d ", (unsigned char)*c);
+    file_puts(f, "0 ");
+}
+
+static void write_field_data(struct file_out *f, const struct snapshot *s)
+{
+    const struct config *c = s->config;
+    double time = (double)s->step * c->dt;
+    double domain[4] = {c->origin[0], c->origin[1], c->size[0], c->size[1]};
+    file_puts(f, "    <FieldData>\n");
+    write_doubles(f, "TimeValue", &time, 1);
+    file_printf(f,
+                "      <DataArray type=\"Int64\" Name=\"step\" NumberOfTuples=\"1\" format=\"ascii\">%" PRId64
+                "</DataArray>\n",
+                s->step);
+    write_doubles(f, "domain", domain, 4);
+    file_printf(
+        f,
+        "      <DataArray type=\"UInt8\" Name=\"periodic\" NumberOfTuples=\"2\" format=\"ascii\">%d %d"
+        "</DataArray>\n",
+        c->periodic[0], c->periodic[1]);
+    struct kind_name name;
+    open_string_array(f, "materials", config_kinds(c));
+    for (size_t m = 0; m < config_kinds(c); m++)
+        write_string(f, config_kind_name(c, m, &name));
+    file_puts(f, "</Array>\n");
+    open_string_array(f, "bodies", c->n_bodies);
+    for (size_t m = 0; m < c->n_bodies; m++)
+        write_string(f, c->bodies[m].name);
+    file_puts(f, "</Array>\n    </FieldData>\n");
+}
+
+/* Counts the lines; false where a pair names an element that is not there. */
+static bool count_lines(const struct snapshot *s, size_t *n_lines, struct dm2_error *err)
+{
+    size_t end[2], n = 0;
+    for (size_t p = 0; p < s->n_pairs; p++) {
+        const struct pair_record *pair = &s->pairs[p];
+        if (element_find(s->elements, s->n_elements, pair->id_a) == s->n_elements ||
+            element_find(s->elements, s->n_elements, pair->id_b) == s->n_elements) {
+            (void)dm2_fail(err, DM2_NUMERIC,
+                           "snapshot of step %" PRId64 ": the pair (%" PRIu32 ", %" PRIu32
+                           ") names an element that is not in the state",
+                           s->step, pair->id_a, pair->id_b);
+            return false;
+        }
+        n += is_line(s, pair, end) ? 1 : 0;
+    }
+    *n_lines = n;
+    return true;
+}
+
+enum dm2_status snapshot_write_vtp(const char *path, const struct snapshot *s, struct dm2_error *err)
+{
+    size_t n_lines;
+    struct file_out f;
+    if (!count_lines(s, &n_lines, err))
+        return DM2_NUMERIC;
+    enum dm2_status status = file_create(&f, path, err);
+    if (status != DM2_OK)
+        return status;
+    struct base64 b = {.file = &f, .used = 0};
+    file_puts(
+        &f, "<?xml version=\"1.0\"?>\n"
+            "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+            "  <PolyData>\n");
+    write_field_data(&f, s);
+    file_printf(
+        &f,
+        "    <Piece NumberOfPoints=\"%zu\" NumberOfVerts=\"%zu\" NumberOfLines=\"%zu\" NumberOfStrips=\"0\""
+        " NumberOfPolys=\"0\">\n      <Points>\n",
+        s->n_elements, s->n_elements, n_lines);
+    write_field(&b, &snapshot_position, s);
+    file_puts(&f, "      </Points>\n");
+    write_vertices(&b, s->n_elements);
+    write_lines(&b, s, n_lines);
+    file_puts(&f, "      <PointData Scalars=\"kind\" Vectors=\"velocity\">\n");
+    for (int a = 0; a < SNAPSHOT_FIELDS; a++)
+        if (snapshot_has(s, &snapshot_fields[a]))
+            write_field(&b, &snapshot_fields[a], s);
+    file_puts(&f, "      </PointData>\n    </Piece>\n  </PolyData>\n</VTKFile>\n");
+    return file_commit(&f, err);
+}
