@@ -140,6 +140,13 @@ void wire_put_measures(struct bytes_writer *w, const struct measures *m)
     bytes_put_u64(w, m->elements);
     bytes_put_u64(w, m->links);
     bytes_put_u64(w, m->contacts);
+    bytes_put_u64(w, m->pairs);
+    put_sum(w, &m->fabric[0]);
+    put_sum(w, &m->fabric[1]);
+    bytes_put_u64(w, m->free_elements);
+    bytes_put_u64(w, m->loaded_pairs);
+    put_sum(w, &m->resultants);
+    put_sum(w, &m->magnitudes);
     bytes_put_f64(w, m->t_max);
     bytes_put_f64(w, m->p_min);
     bytes_put_f64(w, m->p_max);
@@ -169,6 +176,13 @@ void wire_get_measures(struct bytes_reader *r, struct measures *out)
     out->elements = bytes_get_u64(r);
     out->links = bytes_get_u64(r);
     out->contacts = bytes_get_u64(r);
+    out->pairs = bytes_get_u64(r);
+    get_sum(r, &out->fabric[0]);
+    get_sum(r, &out->fabric[1]);
+    out->free_elements = bytes_get_u64(r);
+    out->loaded_pairs = bytes_get_u64(r);
+    get_sum(r, &out->resultants);
+    get_sum(r, &out->magnitudes);
     out->t_max = bytes_get_f64(r);
     out->p_min = bytes_get_f64(r);
     out->p_max = bytes_get_f64(r);

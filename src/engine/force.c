@@ -84,8 +84,19 @@ static void measure_pair(struct pass *pass, uint32_t i, uint32_t j, double dx, d
     }
     exact_add_units(&pass->potential, to_fixed(e->potential * s->energy), s->energy_left);
     exact_add_units(&pass->elastic, to_fixed(e->elastic * s->energy), s->energy_left);
-    pass->totals->links += linked;
-    pass->totals->contacts += e->contacting;
+    struct pair_totals *t = pass->totals;
+    t->links += linked;
+    t->contacts += e->contacting;
+    t->pairs += linked || e->contacting;
+    if (e->contacting) {
+        exact_add_units(&t->fabric[0], to_fixed(nx * nx * FABRIC_SCALE), 0);
+        exact_add_units(&t->fabric[1], to_fixed(nx * ny * FABRIC_SCALE), 0);
+    }
+    if ((linked || e->contacting) && has_free_element(p, i, j)) {
+        double magnitude = sqrt(e->fn * e->fn + e->ft * e->ft);
+        t->loaded_pairs++;
+        exact_add_units(&t->magnitudes, to_fixed(magnitude * s->force), s->energy_left);
+    }
 }
 
 /* The plain path, with the whole law: entry k of the near row of owned slot i. Effects on i go to `sums`,

@@ -200,6 +200,12 @@ static bool measure_element(const struct model *m, const struct particles *p, si
     fits &= exact_add(&out->momentum[1], mass * v[1], s->momentum);
     fits &= exact_add(&out->angular, mass * (x * v[1] - y * v[0]) + spin, s->momentum);
     out->elements++;
+    if (!m->has_far && !(p->flags[i] & ELEMENT_FIXED_MOTION)) {
+        double fx = k->force[0] + mass * m->config->gravity[0],
+               fy = k->force[1] + mass * m->config->gravity[1];
+        fits &= exact_add(&out->resultants, sqrt(fx * fx + fy * fy), s->force);
+        out->free_elements++;
+    }
     double pressure = find_pressure(m, p, i);
     out->p_min = pressure < out->p_min ? pressure : out->p_min;
     out->p_max = pressure > out->p_max ? pressure : out->p_max;

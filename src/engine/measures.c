@@ -27,6 +27,13 @@ void measures_merge(struct measures *m, const struct measures *part)
     m->elements += part->elements;
     m->links += part->links;
     m->contacts += part->contacts;
+    m->pairs += part->pairs;
+    exact_merge(&m->fabric[0], &part->fabric[0]);
+    exact_merge(&m->fabric[1], &part->fabric[1]);
+    m->free_elements += part->free_elements;
+    m->loaded_pairs += part->loaded_pairs;
+    exact_merge(&m->resultants, &part->resultants);
+    exact_merge(&m->magnitudes, &part->magnitudes);
     m->t_max = part->t_max > m->t_max ? part->t_max : m->t_max;
     m->p_min = part->p_min < m->p_min ? part->p_min : m->p_min;
     m->p_max = part->p_max > m->p_max ? part->p_max : m->p_max;
@@ -39,4 +46,26 @@ void measures_merge(struct measures *m, const struct measures *part)
             exact_merge(&m->probe[p].v[a], &part->probe[p].v[a]);
         }
     }
+}
+
+double measures_unbalanced(const struct measures *m, const struct measure_scales *scales)
+{
+    double resultant = exact_value(&m->resultants, scales->force) / (double)m->free_elements;
+    return resultant / (exact_value(&m->magnitudes, scales->force) / (double)m->loaded_pairs);
+}
+
+double measures_coordination(const struct measures *m)
+{
+    return 2.0 * (double)m->pairs / (double)m->elements;
+}
+
+void measures_fabric(const struct measures *m, double fabric[3])
+{
+    double n = (double)m->contacts;
+    struct exact_sum yy = {.hi = ~m->fabric[0].hi, .lo = ~m->fabric[0].lo}; /* contacts - xx */
+    exact_add_units(&yy, 1, 0);
+    exact_add_units(&yy, (int64_t)m->contacts, FABRIC_SHIFT);
+    fabric[0] = exact_value(&m->fabric[0], FABRIC_SHIFT) / n;
+    fabric[1] = exact_value(&yy, FABRIC_SHIFT) / n;
+    fabric[2] = exact_value(&m->fabric[1], FABRIC_SHIFT) / n;
 }

@@ -153,7 +153,7 @@ struct effects {
 
 /* The measures of four links, in fixed point. */
 struct tally {
-    simd_int virial[VIRIAL_COUNT], around[AROUND_COUNT], potential, elastic;
+    simd_int virial[VIRIAL_COUNT], around[AROUND_COUNT], potential, elastic, magnitude, fabric[2];
 };
 
 /* The numbers of measure_pair in force.c. Lanes in which a number leaves the range are added to *left. */
@@ -162,7 +162,9 @@ DM2_INLINE void measure_lanes(const struct pass *pass, const struct bond *bond, 
 {
     const struct fixed_scales *scale = &pass->m->fixed;
     const simd_int link = {TALLY_LINK, TALLY_LINK, TALLY_LINK, TALLY_LINK}, one = link / TALLY_LINK;
-    simd_real dx = at->dx, dy = at->dy;
+    simd_real dx = at->dx, dy = at->dy, f2 = e->fn * e->fn + e->ft * e->ft;
+    simd_int touching = at->r <= bond->touch;
+    simd_real magnitude = (simd_real){sqrt(f2[0]), sqrt(f2[1]), sqrt(f2[2]), sqrt(f2[3])} * scale->force;
     simd_real fx = e->fn * at->nx - e->ft * at->ny, fy = e->fn * at->ny + e->ft * at->nx;
     simd_real xx = dx * fx * scale->virial, yy = dy * fy * scale->virial;
     simd_real xy = 0.5 * (dx * fy + dy * fx) * scale->virial;
@@ -179,9 +181,12 @@ DM2_INLINE void measure_lanes(const struct pass *pass, const struct bond *bond, 
     out->around[AROUND_XX] = SIMD_FIXED(dx * dx * scale->around);
     out->around[AROUND_YY] = SIMD_FIXED(dy * dy * scale->around);
     out->around[AROUND_XY] = SIMD_FIXED(dx * dy * scale->around);
-    out->virial[VIRIAL_TALLY] = one * TALLY_PAIR + link + (one * TALLY_CONTACT & (at->r <= bond->touch));
+    out->virial[VIRIAL_TALLY] = one * TALLY_PAIR + link + (one * TALLY_CONTACT & touching);
     out->potential = SIMD_FIXED(KEPT(potential, *left));
     out->elastic = SIMD_FIXED(KEPT(elastic, *left));
+    out->magnitude = SIMD_FIXED(KEPT(magnitude, *left));
+    out->fabric[0] = SIMD_FIXED(KEPT(at->nx * at->nx * FABRIC_SCALE, *left)) & touching;
+    out->fabric[1] = SIMD_FIXED(KEPT(at->nx * at->ny * FABRIC_SCALE, *left)) & touching;
 }
 
 /* Adds the tally of each lane not in *left to its two elements, and its energies where counts_here. */
@@ -190,7 +195,8 @@ DM2_INLINE void add_tally(struct pass *pass, const struct link_quad *q, const st
 {
     struct particles *p = pass->p;
     simd_int *sums = (simd_int *)(void *)p->virial, virial[4];
-    int64_t potential = 0, elastic = 0;
+    struct pair_totals *totals = pass->totals;
+    int64_t potential = 0, elastic = 0, magnitude = 0, fabric[2] = {0, 0};
     transpose(t->virial, virial);
     for (int c = 0; c < SIMD_LANES; c++) {
         if ((*left)[c])
@@ -207,11 +213,21 @@ DM2_INLINE void add_tally(struct pass *pass, const struct link_quad *q, const st
             continue;
         potential += t->potential[c];
         elastic += t->elastic[c];
-        pass->totals->links++;
-        pass->totals->contacts += (uint64_t)(t->virial[VIRIAL_TALLY][c] / TALLY_CONTACT);
+        fabric[0] += t->fabric[0][c];
+        fabric[1] += t->fabric[1][c];
+        totals->links++;
+        totals->pairs++;
+        totals->contacts += (uint64_t)(t->virial[VIRIAL_TALLY][c] / TALLY_CONTACT);
+        if (has_free_element(p, q->i[c], q->j[c])) {
+            totals->loaded_pairs++;
+            magnitude += t->magnitude[c];
+        }
     }
     exact_add_units(&pass->potential, potential, pass->m->fixed.energy_left);
     exact_add_units(&pass->elastic, elastic, pass->m->fixed.energy_left);
+    exact_add_units(&totals->magnitudes, magnitude, pass->m->fixed.energy_left);
+    exact_add_units(&totals->fabric[0], fabric[0], 0);
+    exact_add_units(&totals->fabric[1], fabric[1], 0);
 }
 
 /* Yield in tension, in the lanes *pulled: the residual stretch at which the bond holds its strength `cap`,

@@ -13,6 +13,9 @@
  * fit. */
 #define FIXED_RANGE 0x1p57
 
+/* 2^FABRIC_SHIFT */
+#define FABRIC_SCALE 0x1p40
+
 /* Nearest integer of a scaled double, halves to even; |scaled| < FIXED_RANGE. An odd function, so action and
  * reaction cancel; one instruction on most machines. */
 static inline int64_t to_fixed(double scaled)
@@ -50,6 +53,12 @@ static inline void note_bad(struct pass *pass, uint32_t i, uint32_t j)
 static inline bool counts_here(const struct particles *p, uint32_t i, uint32_t j)
 {
     return j < p->n_own || p->id[i] < p->id[j];
+}
+
+/* Can a force move one of the two elements? */
+static inline bool has_free_element(const struct particles *p, size_t i, size_t j)
+{
+    return (p->flags[i] & p->flags[j] & ELEMENT_FIXED_MOTION) == 0;
 }
 
 /* Adds r (x) f of a pair to the virials of both elements; dx, dy in cm, fx, fy in Mbar cm2. */

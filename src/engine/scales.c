@@ -105,6 +105,8 @@ void scales_choose(struct model *m)
     int e;
     (void)frexp(force * r0, &e);
     m->scales.energy = 80 - e;
+    (void)frexp(force, &e);
+    m->scales.force = 75 - e; /* log2(fixed.force) + energy_left */
     (void)frexp(mass_total * speed, &e);
     m->scales.momentum = 110 - e;
     (void)frexp(extent * 1e6 * (double)m->n_elements, &e);

@@ -4,6 +4,7 @@
 #include "dm2/engine/subdomain.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "dm2/base/clock.h"
 #include "dm2/deck/schedule.h"
@@ -274,6 +275,10 @@ static enum dm2_status integrate_motion(struct subdomain *sd, bool drift, double
         out->elastic = sd->totals.elastic;
         out->links = sd->totals.links;
         out->contacts = sd->totals.contacts;
+        out->pairs = sd->totals.pairs;
+        out->loaded_pairs = sd->totals.loaded_pairs;
+        out->magnitudes = sd->totals.magnitudes;
+        memcpy(out->fabric, sd->totals.fabric, sizeof out->fabric);
         out->dt_share = sd->stiffness.dt_share;
         out->compression = sd->stiffness.compression;
     }

@@ -32,7 +32,7 @@ struct fixed_scales {
     double over_far_force, over_force, over_torque, over_heat; /* reciprocals, exact */
     double far_force, force, torque, heat, virial, around, energy;
     double stiffness;
-    int energy_left; /* measure_scales.energy = log2(energy) + energy_left */
+    int energy_left; /* measure_scales.energy = log2(energy) + energy_left, and so for `force` */
 };
 
 /* The deck's reaction in numbers (reaction.h). */

@@ -45,6 +45,11 @@ void history_put_heading(struct file_out *f, const struct config *c)
         {"drift", ""},
         {"dt_share", ""},
         {"compression", ""},
+        {"unbalanced", ""},
+        {"coordination", ""},
+        {"fabric_xx", ""},
+        {"fabric_yy", ""},
+        {"fabric_xy", ""},
     };
     static const char *const probe_columns[][2] = {
         {"x", "cm"}, {"y", "cm"}, {"vx", "cm/us"}, {"vy", "cm/us"}};
@@ -132,6 +137,12 @@ enum dm2_status history_put_row(struct file_out *f, const struct config *c,
     write_number(f, drift);
     write_number(f, m->dt_share);
     write_number(f, m->compression);
+    write_number(f, measures_unbalanced(m, scales));
+    write_number(f, measures_coordination(m));
+    double fabric[3];
+    measures_fabric(m, fabric);
+    for (int a = 0; a < 3; a++)
+        write_number(f, fabric[a]);
     for (size_t p = 0; p < c->n_probes; p++)
         write_probe(f, scales, &m->probe[p]);
     file_puts(f, "\n");

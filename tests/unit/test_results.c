@@ -50,14 +50,21 @@ static struct measures some_measures(void)
     exact_add(&m.momentum[0], -3, scales.momentum);
     exact_add(&m.momentum[1], 0.1, scales.momentum);
     exact_add(&m.angular, 7, scales.momentum);
-    m.elements = 1689;
     m.links = 4903;
-    m.contacts = 12;
     m.t_max = 311.5;
     m.p_min = -0.25;
     m.p_max = 0.75;
     m.dt_share = 0.375;
     m.compression = 0.125;
+    m.contacts = 16;
+    m.pairs = 4000;
+    m.elements = 1600;
+    m.free_elements = 4;
+    m.loaded_pairs = 8;
+    exact_add(&m.resultants, 2, scales.force);
+    exact_add(&m.magnitudes, 16, scales.force);
+    exact_add(&m.fabric[0], 4, FABRIC_SHIFT);
+    exact_add(&m.fabric[1], -1, FABRIC_SHIFT);
     m.probe[0].count = 4;
     exact_add(&m.probe[0].r[0], 8, scales.length);
     exact_add(&m.probe[0].r[1], 1, scales.length);
@@ -189,20 +196,21 @@ TEST(history_rows)
         "cm/us],momentum_y [g cm/us],angular_momentum [g "
         "cm2/us],"
         "elements,links,contacts,temperature_max [K],pressure_min [Mbar],pressure_max "
-        "[Mbar],drift,dt_share,compression,surface_x "
+        "[Mbar],drift,dt_share,compression,unbalanced,coordination,fabric_xx,fabric_yy,fabric_xy,surface_x "
         "[cm],"
         "surface_y [cm],surface_vx [cm/us],surface_vy [cm/us],spall_x [cm],spall_y [cm],spall_vx [cm/us],"
         "spall_vy [cm/us]\n"
-        "40,1,1.25,0.5,0.125,9.313225746154785e-10,2,-0.25,0.0625,3.5625000009313226,-3,0.1,7,1689,4903,12,"
+        "40,1,1.25,0.5,0.125,9.313225746154785e-10,2,-0.25,0.0625,3.5625000009313226,-3,0.1,7,1600,4903,16,"
         "311.5,-0."
-        "25,0.75,0,0.375,0.125,"
+        "25,0.75,0,0.375,0.125,0.25,5,0.25,0.75,-0.0625,"
         "2,0.25,-0.5,0.125,nan,nan,nan,nan\n"
         "50,1.25,3.6625,0,0,0,0,0,0.1,3.5625,0,0,0,0,0,0,0,0,0,-2.5428602719876547e-10,0,0,nan,nan,nan,nan,"
+        "nan,nan,nan,nan,nan,"
         "nan,"
         "nan,nan,nan\n");
     free(text);
     CHECK_EQ_INT(csv_read(scratch_path("history/history.csv"), &csv, &err), DM2_OK);
-    CHECK_EQ_INT(csv.n_columns, 30);
+    CHECK_EQ_INT(csv.n_columns, 35);
     csv_free(&csv);
     fake_free(&f);
 }

@@ -192,6 +192,13 @@ static struct measures some_measures(void)
     (void)exact_add(&m.kinetic, 1.25, 40);
     (void)exact_add(&m.momentum[1], -3.5, 40);
     m.elements = 17;
+    m.pairs = 40;
+    m.free_elements = 15;
+    m.loaded_pairs = 39;
+    (void)exact_add(&m.resultants, 1.5, 40);
+    (void)exact_add(&m.magnitudes, 2.5, 40);
+    (void)exact_add(&m.fabric[0], 0.5, 40);
+    (void)exact_add(&m.fabric[1], -0.5, 40);
     m.probe[PROBE_MAX - 1].count = 3;
     (void)exact_add(&m.probe[PROBE_MAX - 1].v[1], -1.0, 40);
     return m;
@@ -228,6 +235,10 @@ TEST(a_step_message_round_trip)
     CHECK(memcmp(&in.measures.kinetic, &out.measures.kinetic, sizeof in.measures.kinetic) == 0);
     CHECK_NEAR(out.measures.dt_share, in.measures.dt_share, 0);
     CHECK_NEAR(out.measures.compression, in.measures.compression, 0);
+    CHECK(in.measures.pairs == 40 && in.measures.free_elements == 15 && in.measures.loaded_pairs == 39);
+    CHECK(memcmp(&in.measures.fabric, &out.measures.fabric, sizeof in.measures.fabric) == 0);
+    CHECK(memcmp(&in.measures.resultants, &out.measures.resultants, sizeof in.measures.resultants) == 0);
+    CHECK(memcmp(&in.measures.magnitudes, &out.measures.magnitudes, sizeof in.measures.magnitudes) == 0);
     CHECK(memcmp(&in.measures.probe, &out.measures.probe, sizeof in.measures.probe) == 0);
     CHECK_SAME_BITS(in.measures.p_min, INFINITY);
     for (size_t n = 0; n < w.length; n++) {

@@ -11,8 +11,11 @@
 /* The shift (dm2/base/exact.h) of each kind of sum. All follow from the deck, so that all servers have the
  * same. */
 struct measure_scales {
-    int energy, momentum, length, velocity, mass, volume, temperature;
+    int energy, momentum, length, velocity, mass, volume, temperature, force;
 };
+
+/* The shift of the sums of `fabric`. */
+enum { FABRIC_SHIFT = 40 };
 
 struct probe_sums {
     uint64_t count;
@@ -27,8 +30,13 @@ struct measures {
     struct exact_sum momentum[2]; /* g cm/us */
     struct exact_sum angular;     /* angular momentum about the origin, orbital and spin */
     uint64_t elements, links, contacts;
-    double t_max;        /* K; -inf without elements */
-    double p_min, p_max; /* Mbar; +inf and -inf without elements */
+    uint64_t pairs;                          /* that touch or are linked */
+    struct exact_sum fabric[2];              /* n n of the pairs that touch, xx and xy */
+    uint64_t free_elements, loaded_pairs;    /* pairs: with an element that is free; 0 elements where a
+                                                potential of scope `all` acts */
+    struct exact_sum resultants, magnitudes; /* |force| of these elements, and in these pairs, Mbar cm2 */
+    double t_max;                            /* K; -inf without elements */
+    double p_min, p_max;                     /* Mbar; +inf and -inf without elements */
     double dt_share;    /* largest share of the present limit that dt is (engine/stiffness.h); 0: not known */
     double compression; /* largest 1 - x/r0 of bonds and contacts, at least 0 */
     struct probe_sums probe[PROBE_MAX];
@@ -36,6 +44,18 @@ struct measures {
 
 /* Sets the measures of no element: zero sums, infinite extremes. */
 void measures_clear(struct measures *m);
+
+/* The mean resultant force of the free elements, with gravity, over the mean force in the pairs that touch or
+ * are linked and have a free element. NaN without a free element or such a pair, and where a potential of
+ * scope `all` acts. Near 0: the elements are in equilibrium. */
+double measures_unbalanced(const struct measures *m, const struct measure_scales *scales);
+
+/* Pairs that touch or are linked per element, each counted for both elements; NaN without elements. */
+double measures_coordination(const struct measures *m);
+
+/* The mean of n n over the pairs that touch, n the direction from one centre to the other: xx, yy, xy. The
+ * trace is 1. NaN without such a pair. Source: Satake (1982). */
+void measures_fabric(const struct measures *m, double fabric[3]);
 
 /* Adds to *m the measures of another part of the system at the same step. */
 void measures_merge(struct measures *m, const struct measures *part);
