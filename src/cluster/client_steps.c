@@ -36,12 +36,17 @@ struct step_sum {
     struct measures measures;
 };
 
+static const char not_its_probes[] = "its measures have other probes than the deck";
+
 /* Checks that the STEP message of every rank is the requested one, and combines all of them in *sum. */
 static enum dm2_status sum_steps(struct client *c, bool rebuild, bool measured, bool hashed, bool surveyed,
                                  struct step_sum *sum, struct dm2_error *err)
 {
     uint64_t elements = 0;
-    *sum = (struct step_sum){.spread = spread_none()};
+    sum->dmax = sum->busy = 0.0;
+    sum->slowest = 0;
+    sum->hash = 0;
+    sum->spread = spread_none();
     measures_clear(&sum->measures);
     for (int k = 0; k < c->ranks; k++) {
         const struct step_message *m = &c->answers[k].step;
@@ -56,6 +61,8 @@ static enum dm2_status sum_steps(struct client *c, bool rebuild, bool measured, 
                 hashed, surveyed);
             return conversation_failed(&c->talk, k, DM2_PROTOCOL, text, err);
         }
+        if (measured && !measures_match(&m->measures, c->job->config))
+            return conversation_failed(&c->talk, k, DM2_PROTOCOL, not_its_probes, err);
         elements += m->owned;
         sum->dmax = m->dmax > sum->dmax ? m->dmax : sum->dmax;
         if (m->busy > sum->busy || k == 0) {
@@ -244,8 +251,12 @@ enum dm2_status client_finish(struct client *c, struct dm2_error *err)
         c->talk.peers[k].awaited = true; /* DONE comes without a message to the servers */
     enum dm2_status status = conversation_gather(&c->talk, MESSAGE_DONE, LIMIT_STATE, take_done, false, err);
     measures_clear(&sum);
-    for (int k = 0; k < c->ranks; k++)
-        measures_merge(&sum, &c->answers[k].done.measures);
+    for (int k = 0; k < c->ranks && status == DM2_OK; k++) {
+        const struct measures *part = &c->answers[k].done.measures;
+        if (!measures_match(part, config))
+            return conversation_failed(&c->talk, k, DM2_PROTOCOL, not_its_probes, err);
+        measures_merge(&sum, part);
+    }
     if (status == DM2_OK && schedule_history(config, config->steps))
         status = write_row(c, config->steps, &sum, err);
     if (status == DM2_OK)

@@ -224,7 +224,13 @@ static enum dm2_status run_step(struct session *s, int64_t n, struct next_messag
                                 struct dm2_error *err)
 {
     bool snapshot = schedule_snapshot(&s->config, n), measure = schedule_measure(&s->config, n);
-    struct step_message m = {.step = n + 1, .measured = measure};
+    struct step_message m; /* its measures are large, and set where they are due */
+    m.step = n + 1;
+    m.rebuild = m.hashed = false;
+    m.measured = measure;
+    m.owned = m.migrants = m.hash = 0;
+    m.busy = 0.0;
+    m.n_segments = 0;
     int64_t every = s->assign.hash_every;
     enum dm2_status status = subdomain_forces(s->sd, measure, err);
     if (status == DM2_OK && snapshot)

@@ -125,6 +125,26 @@ void wire_get_overlap(struct bytes_reader *r, struct overlap *out)
     }
 }
 
+/* A probe: the sums that the probe needs, in the order of enum probe_sum. */
+static void put_probe(struct bytes_writer *w, const struct probe_sums *p)
+{
+    bytes_put_u32(w, p->needs);
+    bytes_put_u64(w, p->count);
+    for (int k = 0; k < PROBE_SUMS; k++)
+        if (p->needs >> k & 1)
+            put_sum(w, &p->sum[k]);
+}
+
+static void get_probe(struct bytes_reader *r, struct probe_sums *out)
+{
+    *out = (struct probe_sums){.needs = bytes_get_u32(r)};
+    fail_unless(r, out->needs >> PROBE_SUMS == 0);
+    out->count = bytes_get_u64(r);
+    for (int k = 0; k < PROBE_SUMS && !r->failed; k++)
+        if (out->needs >> k & 1)
+            get_sum(r, &out->sum[k]);
+}
+
 void wire_put_measures(struct bytes_writer *w, const struct measures *m)
 {
     put_sum(w, &m->kinetic);
@@ -152,13 +172,9 @@ void wire_put_measures(struct bytes_writer *w, const struct measures *m)
     bytes_put_f64(w, m->p_max);
     bytes_put_f64(w, m->dt_share);
     bytes_put_f64(w, m->compression);
-    for (int k = 0; k < PROBE_MAX; k++) {
-        bytes_put_u64(w, m->probe[k].count);
-        for (int a = 0; a < 2; a++) {
-            put_sum(w, &m->probe[k].r[a]);
-            put_sum(w, &m->probe[k].v[a]);
-        }
-    }
+    bytes_put_u16(w, (uint16_t)m->n_probes);
+    for (size_t k = 0; k < m->n_probes; k++)
+        put_probe(w, &m->probe[k]);
 }
 
 void wire_get_measures(struct bytes_reader *r, struct measures *out)
@@ -190,13 +206,11 @@ void wire_get_measures(struct bytes_reader *r, struct measures *out)
     out->compression = bytes_get_f64(r);
     fail_unless(r, !isnan(out->t_max) && !isnan(out->p_min) && !isnan(out->p_max));
     fail_unless(r, out->dt_share >= 0.0 && out->compression >= 0.0);
-    for (int k = 0; k < PROBE_MAX; k++) {
-        out->probe[k].count = bytes_get_u64(r);
-        for (int a = 0; a < 2; a++) {
-            get_sum(r, &out->probe[k].r[a]);
-            get_sum(r, &out->probe[k].v[a]);
-        }
-    }
+    size_t probes = bytes_get_u16(r);
+    fail_unless(r, probes <= PROBE_MAX);
+    out->n_probes = r->failed ? 0 : probes;
+    for (size_t k = 0; k < out->n_probes; k++)
+        get_probe(r, &out->probe[k]);
 }
 
 void wire_put_bin(struct bytes_writer *w, const struct profile_bin *b)

@@ -11,6 +11,7 @@
 
 #include "bind_loads.h"
 #include "dm2/base/mem.h"
+#include "dm2/deck/shape.h"
 
 static const struct deck_block *block_at(const struct deck_binding *b, size_t block)
 {
@@ -309,9 +310,24 @@ static void finish_profile(struct deck_binding *b, size_t block, void *item)
         profile->every = c->steps / 20 > 1 ? c->steps / 20 : 1;
 }
 
+/* The default of `report` depends on what is measured; a region has a bit in its elements' records. */
+static void finish_probe(struct deck_binding *b, size_t block, void *item)
+{
+    const struct config *c = b->config;
+    struct probe_config *probe = item;
+    if (probe->report == 0)
+        probe->report = 1u << REPORT_POSITION | 1u << REPORT_VELOCITY |
+                        (entry_of(b, block, "body") != NULL ? 1u << REPORT_FORCE : 0u);
+    if (probe->mover >= 0)
+        shape_box(&c->bodies[probe->mover].shape, probe->box);
+    for (const struct probe_config *p = c->probes; probe->mover < 0 && p <= probe; p++)
+        probe->bit += p->mover < 0;
+}
+
 static const struct reaction_config initial_reaction = {.reactant = {-1, -1}, .product = -1};
 static const struct void_config initial_void = {.body = -1};
 static const struct flaw_config initial_flaw = {.body = -1};
+static const struct probe_config initial_probe = {.mover = -1, .bit = -1};
 
 static const struct deck_things things[BLOCK_COUNT] = {
     [BLOCK_MATERIAL] = {MATERIAL_MAX, sizeof(struct material_config), offsetof(struct config, materials),
@@ -325,7 +341,7 @@ static const struct deck_things things[BLOCK_COUNT] = {
     [BLOCK_FLAW] = {FLAW_MAX, sizeof(struct flaw_config), offsetof(struct config, flaws),
                     offsetof(struct config, n_flaws), &initial_flaw, NULL},
     [BLOCK_PROBE] = {PROBE_MAX, sizeof(struct probe_config), offsetof(struct config, probes),
-                     offsetof(struct config, n_probes), NULL, NULL},
+                     offsetof(struct config, n_probes), &initial_probe, finish_probe},
     [BLOCK_PROFILE] = {PROFILE_MAX, sizeof(struct profile_config), offsetof(struct config, profiles),
                        offsetof(struct config, n_profiles), NULL, finish_profile},
 };

@@ -1,4 +1,4 @@
-/* Checks of bodies, voids, flaws and probes: their shapes, the materials and the structure of a body, whether
+/* Checks of bodies, voids and flaws: their shapes, the materials and the structure of a body, whether
  * bodies lie in the domain, whether bodies overlap. */
 #include <math.h>
 #include <stdlib.h>
@@ -238,27 +238,6 @@ static void check_overlaps(const struct deck_binding *b, struct body_box *boxes,
             check_overlap(b, boxes[i].body, boxes[j].body);
 }
 
-static void check_probes(const struct deck_binding *b, const struct body_box *boxes, size_t n)
-{
-    for (size_t i = 0; i < b->config->n_probes; i++) {
-        const double *box = b->config->probes[i].box;
-        struct deck_place place = binding_place(b, b->blocks[BLOCK_PROBE][i], "region", 0);
-        struct shape_config region = {.kind = SHAPE_RECTANGLE, .box = {box[0], box[1], box[2], box[3]}};
-        bool meets = n < b->config->n_bodies || n == 0;
-        if (!binding_given(b, b->blocks[BLOCK_PROBE][i], "region"))
-            continue;
-        if (!(box[0] < box[2] && box[1] < box[3])) {
-            findings_error(b->findings, place, "a region is x0 y0 x1 y1 with x0 < x1 and y0 < y1");
-            continue;
-        }
-        for (size_t j = 0; j < n && !meets; j++)
-            meets = shape_image_overlaps(&region, b->config, &b->config->bodies[boxes[j].body].shape);
-        if (!meets)
-            findings_error(b->findings, place, "the region of the probe '%s' holds no body",
-                           b->config->probes[i].name);
-    }
-}
-
 /* True if the shape or an image of the shape overlaps body `body`, or any body where `body` is -1. Also true
  * where a shape of a body did not read. */
 static bool meets_a_body(const struct deck_binding *b, const struct shape_config *shape, int body)
@@ -349,7 +328,7 @@ bool check_bodies(const struct deck_binding *b)
         }
     }
     check_overlaps(b, boxes, n);
-    check_probes(b, boxes, n);
+    check_probes(b, n == b->config->n_bodies);
     check_voids(b);
     check_flaws(b);
     free(boxes);

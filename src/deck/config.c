@@ -96,6 +96,14 @@ bool config_is_placed(const struct config *c, size_t body)
     return c->bodies[body].spin != 0;
 }
 
+size_t config_regions(const struct config *c)
+{
+    size_t n = 0;
+    for (size_t p = 0; p < c->n_probes; p++)
+        n += c->probes[p].mover < 0;
+    return n;
+}
+
 double config_contact_distance(const struct config *c)
 {
     double most = 0;

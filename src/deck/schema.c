@@ -266,10 +266,17 @@ static const struct deck_key flaw_keys[] = {
      .meaning = "the body that has the flaw"},
 };
 
+#define FIELD(f) .offset = offsetof(struct probe_config, f)
 static const struct deck_key probe_keys[] = {
-    {"region", VALUE_REAL, 4, LENGTH, ANY, .required = true, .offset = offsetof(struct probe_config, box),
+    {"region", VALUE_REAL, 4, LENGTH, ANY, .initial = "none: give `body`", FIELD(box),
      .meaning = "`x0 y0 x1 y1`: the elements that start in it are averaged; half-open, x0 <= x < x1"},
+    {"body", VALUE_BODY, 1, PLAIN, ANY, .initial = "none: give `region`", FIELD(mover),
+     .meaning = "the body that is measured"},
+    {"report", VALUE_SET, 1, PLAIN, ANY,
+     .choices = "position|velocity|force|torque|spin|stress|temperature|kinetic|porosity",
+     .initial = "position, velocity, and force of a body", FIELD(report), .meaning = "the columns, below"},
 };
+#undef FIELD
 
 #define FIELD(f) .offset = offsetof(struct profile_config, f)
 static const struct deck_key profile_keys[] = {

@@ -122,8 +122,9 @@ static bool read_whole(struct deck_binding *b, const struct deck_key *key, const
     return true;
 }
 
+enum { CHOICES_MOST = 32 };
 struct choices {
-    char words[4][32];
+    char words[CHOICES_MOST][32];
 };
 
 static const char *choice_name(const void *context, size_t i)
@@ -140,7 +141,7 @@ static int read_choice(struct deck_binding *b, const struct deck_key *key, struc
         return choice;
     struct choices all;
     struct word_list known = {choice_name, &all, 0};
-    for (const char *c = key->choices; known.n < 4; known.n++) {
+    for (const char *c = key->choices; known.n < CHOICES_MOST; known.n++) {
         size_t n = strcspn(c, "|");
         (void)snprintf(all.words[known.n], sizeof all.words[0], "%.*s", (int)n, c);
         if (c[n] == '\0') {
@@ -184,6 +185,20 @@ static bool read_words(struct deck_binding *b, const struct deck_key *key, const
             ((bool *)at)[i] = choice == 1;
     }
     return ok;
+}
+
+static bool read_set(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
+                     uint32_t *out)
+{
+    uint32_t set = 0;
+    for (size_t i = 0; i < entry->n; i++) {
+        int choice = read_choice(b, key, word_at(b, entry, i));
+        if (choice < 0)
+            return false;
+        set |= UINT32_C(1) << choice;
+    }
+    *out = set;
+    return true;
 }
 
 /* --- shapes --- */
@@ -495,6 +510,9 @@ bool value_read(struct deck_binding *b, const struct deck_key *key, struct deck_
         break;
     case VALUE_MIX:
         ok = read_mix(b, key, entry, base);
+        break;
+    case VALUE_SET:
+        ok = read_set(b, key, entry, at);
         break;
     case VALUE_STEPS:
         ok = read_steps(b, key, entry, &config->output);

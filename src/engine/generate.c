@@ -81,9 +81,11 @@ static uint8_t find_probes(const struct config *c, const double r[2], double spa
     uint8_t mask = 0;
     for (size_t p = 0; p < c->n_probes; p++) {
         const double *box = c->probes[p].box;
+        if (c->probes[p].mover >= 0)
+            continue;
         struct shape_config region = {.kind = SHAPE_RECTANGLE, .box = {box[0], box[1], box[2], box[3]}};
         if (shape_contains_image(&region, c, r, spacing))
-            mask = (uint8_t)(mask | 1u << p);
+            mask = (uint8_t)(mask | 1u << c->probes[p].bit);
     }
     return mask;
 }

@@ -13,6 +13,7 @@
 #include "dm2/base/simd.h"
 #include "drive.h"
 #include "lists.h"
+#include "probes.h"
 
 double leapfrog_kick_time(const struct model *m, int64_t step)
 {
@@ -186,8 +187,8 @@ static bool measure_element(const struct model *m, const struct particles *p, si
         work += find_drive_work(p, i, drive, k, leapfrog_kick_time(m, step), share, share);
     else if (p->flags[i] & ELEMENT_FIXED_MOTION)
         work += share * leapfrog_kick_time(m, step) * find_drive_power(p, i, k);
-    bool fits =
-        exact_add(&out->kinetic, 0.5 * mass * (v[0] * v[0] + v[1] * v[1]) + 0.5 * spin * w, s->energy);
+    double kinetic = 0.5 * mass * (v[0] * v[0] + v[1] * v[1]) + 0.5 * spin * w;
+    bool fits = exact_add(&out->kinetic, kinetic, s->energy);
     fits &= exact_add(&out->thermal, p->heat[i] + k->heat_now + share * k->heat_damped, s->energy);
     if (m->has_kinds) {
         const struct kind *kind = &m->kinds[p->kind[i]];
@@ -210,15 +211,10 @@ static bool measure_element(const struct model *m, const struct particles *p, si
     out->p_min = pressure < out->p_min ? pressure : out->p_min;
     out->p_max = pressure > out->p_max ? pressure : out->p_max;
     out->t_max = temperature > out->t_max ? temperature : out->t_max;
-    for (int b = 0; p->probes[i] >> b != 0; b++) {
-        if (!(p->probes[i] >> b & 1))
-            continue;
-        out->probe[b].count++;
-        const double r[2] = {x, y};
-        for (int a = 0; a < 2; a++) {
-            fits &= exact_add(&out->probe[b].r[a], r[a], s->length);
-            fits &= exact_add(&out->probe[b].v[a], v[a], s->velocity);
-        }
+    if (m->probes.n > 0) {
+        const struct probe_sample at = {{x, y},      {v[0], v[1]}, w, {k->force[0], k->force[1]},
+                                        temperature, kinetic};
+        fits &= probes_add(m, p, i, &at, out);
     }
     return fits;
 }

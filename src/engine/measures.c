@@ -2,14 +2,23 @@
 #include "dm2/engine/measures.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 void measures_clear(struct measures *m)
 {
-    memset(m, 0, sizeof *m);
+    memset(m, 0, offsetof(struct measures, probe));
     m->t_max = -INFINITY;
     m->p_min = INFINITY;
     m->p_max = -INFINITY;
+}
+
+bool measures_match(const struct measures *m, const struct config *c)
+{
+    bool match = m->n_probes == c->n_probes;
+    for (size_t p = 0; match && p < c->n_probes; p++)
+        match = m->probe[p].needs == probe_needs(&c->probes[p]);
+    return match;
 }
 
 void measures_merge(struct measures *m, const struct measures *part)
@@ -39,13 +48,10 @@ void measures_merge(struct measures *m, const struct measures *part)
     m->p_max = part->p_max > m->p_max ? part->p_max : m->p_max;
     m->dt_share = part->dt_share > m->dt_share ? part->dt_share : m->dt_share;
     m->compression = part->compression > m->compression ? part->compression : m->compression;
-    for (int p = 0; p < PROBE_MAX; p++) {
-        m->probe[p].count += part->probe[p].count;
-        for (int a = 0; a < 2; a++) {
-            exact_merge(&m->probe[p].r[a], &part->probe[p].r[a]);
-            exact_merge(&m->probe[p].v[a], &part->probe[p].v[a]);
-        }
-    }
+    for (; m->n_probes < part->n_probes; m->n_probes++)
+        m->probe[m->n_probes] = (struct probe_sums){.needs = part->probe[m->n_probes].needs};
+    for (size_t p = 0; p < part->n_probes; p++)
+        probe_merge(&m->probe[p], &part->probe[p]);
 }
 
 double measures_unbalanced(const struct measures *m, const struct measure_scales *scales)

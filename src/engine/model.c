@@ -13,6 +13,7 @@
 #include "generate.h"
 #include "kinds.h"
 #include "laws.h"
+#include "probes.h"
 #include "scales.h"
 #include "stability.h"
 #include "tables.h"
@@ -216,7 +217,7 @@ enum dm2_status model_build_watched(const struct config *config, struct pulse pu
     m->n_kinds = config_kinds(config);
     m->kinds = mem_zalloc(m->n_kinds, sizeof *m->kinds);
     m->laws = mem_zalloc(m->n_kinds * m->n_kinds * RELATION_COUNT, sizeof *m->laws);
-    if (m->kinds == NULL || m->laws == NULL)
+    if (m->kinds == NULL || m->laws == NULL || probes_build(&m->probes, config) != 0)
         goto no_memory;
     enum dm2_status status = build_tables(m, err);
     if (status != DM2_OK) {
@@ -239,6 +240,7 @@ void model_free(struct model *m)
     free(m->body_first);
     free(m->grain_first);
     motion_free(m);
+    probes_free(&m->probes);
     free(m);
 }
 

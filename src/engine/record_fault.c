@@ -27,7 +27,7 @@ struct record_limits record_limits_of(const struct model *model)
     return (struct record_limits){.elements = model_elements(model),
                                   .bodies = c->n_bodies,
                                   .kinds = config_kinds(c),
-                                  .probes = c->n_probes,
+                                  .probes = config_regions(c),
                                   .movers = c->n_bodies,
                                   .sections = section_has(c),
                                   .periodic = {c->periodic[0], c->periodic[1]},

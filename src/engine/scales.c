@@ -115,6 +115,10 @@ void scales_choose(struct model *m)
     m->scales.velocity = 118 - e;
     (void)frexp(mass_total, &e);
     m->scales.mass = 118 - e;
+    (void)frexp(mass_total * extent * 1e6, &e); /* an element may go round the domain often */
+    m->scales.moment = 118 - e;
+    (void)frexp(mass_total * (extent * extent) * 1e12, &e);
+    m->scales.inertia = 118 - e;
     (void)frexp(r0 * r0 * (double)m->n_elements, &e);
     m->scales.volume = 118 - e;
     (void)frexp(1e12 * (double)m->n_elements, &e); /* a bound: no element is hotter than 1e12 K */

@@ -13,6 +13,7 @@
 #include "homes.h"
 #include "leapfrog.h"
 #include "phase.h"
+#include "probes.h"
 #include "state_reader.h"
 #include "subdomain_parts.h"
 
@@ -281,6 +282,7 @@ static enum dm2_status integrate_motion(struct subdomain *sd, bool drift, double
         memcpy(out->fabric, sd->totals.fabric, sizeof out->fabric);
         out->dt_share = sd->stiffness.dt_share;
         out->compression = sd->stiffness.compression;
+        probes_start(sd->model, out);
     }
     subdomain_beat(sd);
     enum dm2_status status = leapfrog_move(sd->model, &sd->p, sd->step, drift, dmax, out, err);

@@ -48,6 +48,15 @@ struct reaction_table {
     double mass_scale; /* fixed-point scale of masses */
 };
 
+/* The probes of the deck, for the loop over the elements of a row (probes.h). */
+struct probe_table {
+    size_t n;
+    uint32_t needs[PROBE_MAX];     /* probe_needs */
+    uint8_t of_region[REGION_MAX]; /* the probe of each bit of element.probes */
+    uint64_t *of_body;             /* [n_bodies] bit p: probe p is of this body */
+    uint64_t porous;               /* bit p: probe p reports porosity */
+};
+
 struct model {
     const struct config *config;
     struct pulse pulse; /* beats in all long work */
@@ -92,6 +101,7 @@ struct model {
     bool has_held;     /* some load holds a temperature */
     double *centroids; /* [n_bodies][2] centres of mass at the start, not wrapped, cm; of bodies with
                           motion_needs_centroid; NULL while elements are counted */
+    struct probe_table probes;
 };
 
 /* The law of an ordered pair of kinds. */

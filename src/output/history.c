@@ -51,18 +51,18 @@ void history_put_heading(struct file_out *f, const struct config *c)
         {"fabric_yy", ""},
         {"fabric_xy", ""},
     };
-    static const char *const probe_columns[][2] = {
-        {"x", "cm"}, {"y", "cm"}, {"vx", "cm/us"}, {"vy", "cm/us"}};
     for (size_t i = 0; i < sizeof columns / sizeof columns[0]; i++) {
         file_puts(f, i == 0 ? "" : ",");
         write_heading(f, columns[i][0], columns[i][1]);
     }
     for (size_t p = 0; p < c->n_probes; p++) {
-        for (int i = 0; i < 4; i++) {
+        for (int k = 0; k < PROBE_COLUMNS; k++) {
             char name[64];
-            (void)snprintf(name, sizeof name, "%s_%s", c->probes[p].name, probe_columns[i][0]);
+            if (!(c->probes[p].report >> probe_columns[k].quantity & 1))
+                continue;
+            (void)snprintf(name, sizeof name, "%s_%s", c->probes[p].name, probe_columns[k].suffix);
             file_puts(f, ",");
-            write_heading(f, name, probe_columns[i][1]);
+            write_heading(f, name, probe_columns[k].unit);
         }
     }
     file_puts(f, "\n");
@@ -90,14 +90,14 @@ static struct exact_sum conserved_sum(const struct measures *m)
     return sum;
 }
 
-static void write_probe(struct file_out *f, const struct measure_scales *scales,
-                        const struct probe_sums *probe)
+static void write_probe(struct file_out *f, const struct probe_config *p, const struct measure_scales *scales,
+                        const struct probe_sums *sums)
 {
-    double count = (double)probe->count; /* of 0 elements the mean prints as nan */
-    for (int a = 0; a < 2; a++)
-        write_number(f, exact_value(&probe->r[a], scales->length) / count);
-    for (int a = 0; a < 2; a++)
-        write_number(f, exact_value(&probe->v[a], scales->velocity) / count);
+    double values[PROBE_COLUMNS];
+    probe_values(p, scales, sums, values);
+    for (int k = 0; k < PROBE_COLUMNS; k++)
+        if (p->report >> probe_columns[k].quantity & 1)
+            write_number(f, values[k]);
 }
 
 struct book_row history_book_row(const struct measure_scales *scales, int64_t step, const struct measures *m)
@@ -144,7 +144,7 @@ enum dm2_status history_put_row(struct file_out *f, const struct config *c,
     for (int a = 0; a < 3; a++)
         write_number(f, fabric[a]);
     for (size_t p = 0; p < c->n_probes; p++)
-        write_probe(f, scales, &m->probe[p]);
+        write_probe(f, &c->probes[p], scales, &m->probe[p]);
     file_puts(f, "\n");
     return file_flush(f, err);
 }

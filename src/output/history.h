@@ -22,7 +22,7 @@ struct history_tables {
     struct file_out profiles[PROFILE_MAX]; /* as in the config */
 };
 
-/* The heading of history.csv: the columns of every run, then x, y, vx, vy of each probe. */
+/* The heading of history.csv: the columns of every run, then those of each probe. */
 void history_put_heading(struct file_out *f, const struct config *c);
 
 /* The row of one step in history.csv; drift: of the energy book (energy_book.h). */

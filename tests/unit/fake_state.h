@@ -82,6 +82,11 @@ static inline void fake_make(struct fake *f, size_t columns, size_t rows)
     strcpy(f->bodies[1].name, "target");
     strcpy(f->probes[0].name, "surface");
     strcpy(f->probes[1].name, "spall");
+    for (int k = 0; k < 2; k++) {
+        f->probes[k].mover = -1;
+        f->probes[k].bit = k;
+        f->probes[k].report = 1u << REPORT_POSITION | 1u << REPORT_VELOCITY;
+    }
     f->config.size[0] = 0.04 * (double)columns;
     f->config.size[1] = 0.04 * (double)rows;
     f->config.periodic[0] = true;

@@ -8,7 +8,7 @@ static void value_text(const struct deck_key *key, char *out, size_t size)
 {
     struct dimension_text unit;
     const char *u = dimension_is_plain(key->dim) ? "number" : dimension_unit(key->dim, &unit);
-    char words[100] = "";
+    char words[400] = "";
     for (const char *c = key->choices; c != NULL && *c != '\0';) {
         size_t n = strcspn(c, "|");
         (void)snprintf(words + strlen(words), sizeof words - strlen(words), "%s`%.*s`", words[0] ? ", " : "",
@@ -28,6 +28,7 @@ static void value_text(const struct deck_key *key, char *out, size_t size)
     case VALUE_CHOICE:
     case VALUE_FLAG:
     case VALUE_FORMATS:
+    case VALUE_SET:
         (void)snprintf(out, size, "%s%s", times, words);
         break;
     case VALUE_SHAPE:
@@ -96,7 +97,7 @@ TEST(every_keyword_is_in_the_manual)
         const struct block_schema *block = schema_block((enum block_kind)kind);
         if (kind == BLOCK_INTERFACE)
             continue;
-        char *part = section(manual, block->name), row[600], value[120];
+        char *part = section(manual, block->name), row[1000], value[420];
         for (size_t i = 0; i < block->n_keys; i++) {
             const struct deck_key *key = &block->keys[i];
             value_text(key, value, sizeof value);

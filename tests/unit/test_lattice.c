@@ -121,8 +121,8 @@ TEST(free_surface_moves_at_twice_the_particle_velocity)
         for (int step = 0; step < 210; step++) {
             struct measures m;
             engine_step(&g, &m);
-            double v =
-                exact_value(&m.probe[0].v[1], model_scales(g.model).velocity) / (double)m.probe[0].count;
+            double v = exact_value(&m.probe[0].sum[PROBE_VY], model_scales(g.model).velocity) /
+                       (double)m.probe[0].count;
             peak = v > peak ? v : peak;
             if (arrived < 0 && v > 0.5 * up2)
                 arrived = step;

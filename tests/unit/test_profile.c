@@ -97,7 +97,7 @@ TEST(one_bin_is_the_whole)
         CHECK_SAME_BITS(exact_value(&all[0].momentum[a], shift), exact_value(&m.momentum[a], shift));
     CHECK_EQ_INT(m.probe[0].count, 20);
     CHECK_EQ_INT(on_top, 20);
-    CHECK_NEAR(exact_value(&m.probe[0].v[1], velocity) / 20, v / 20, 1e-14);
+    CHECK_NEAR(exact_value(&m.probe[0].sum[PROBE_VY], velocity) / 20, v / 20, 1e-14);
     free(all);
     engine_state_free(&s);
     engine_stop(&g);

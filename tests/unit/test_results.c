@@ -65,11 +65,14 @@ static struct measures some_measures(void)
     exact_add(&m.magnitudes, 16, scales.force);
     exact_add(&m.fabric[0], 4, FABRIC_SHIFT);
     exact_add(&m.fabric[1], -1, FABRIC_SHIFT);
+    m.n_probes = 2;
+    m.probe[0] = m.probe[1] =
+        (struct probe_sums){.needs = 1u << PROBE_X | 1u << PROBE_Y | 1u << PROBE_VX | 1u << PROBE_VY};
     m.probe[0].count = 4;
-    exact_add(&m.probe[0].r[0], 8, scales.length);
-    exact_add(&m.probe[0].r[1], 1, scales.length);
-    exact_add(&m.probe[0].v[0], -2, scales.velocity);
-    exact_add(&m.probe[0].v[1], 0.5, scales.velocity);
+    exact_add(&m.probe[0].sum[PROBE_X], 8, scales.length);
+    exact_add(&m.probe[0].sum[PROBE_Y], 1, scales.length);
+    exact_add(&m.probe[0].sum[PROBE_VX], -2, scales.velocity);
+    exact_add(&m.probe[0].sum[PROBE_VY], 0.5, scales.velocity);
     return m;
 }
 
@@ -186,6 +189,8 @@ TEST(history_rows)
     exact_add(&m.kinetic, 3.6625, scales.energy);
     exact_add(&m.work, 0.1, scales.energy);
     m.t_max = m.p_min = m.p_max = 0;
+    m.n_probes = 2;
+    m.probe[0] = m.probe[1] = (struct probe_sums){.count = 0};
     CHECK_EQ_INT(results_history(r, 50, &m, &err), DM2_OK);
     CHECK_EQ_INT(results_close(r, &err), DM2_OK);
     char *text = scratch_read("history/history.csv", NULL);

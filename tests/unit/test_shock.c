@@ -83,7 +83,7 @@ static void impact_start(struct engine *g, const struct impact *k)
 
 static double probe_v(const struct engine *g, const struct measures *m, int probe, int axis)
 {
-    return exact_value(&m->probe[probe].v[axis], model_scales(g->model).velocity) /
+    return exact_value(&m->probe[probe].sum[PROBE_VX + axis], model_scales(g->model).velocity) /
            (double)m->probe[probe].count;
 }
 

@@ -199,9 +199,50 @@ static struct measures some_measures(void)
     (void)exact_add(&m.magnitudes, 2.5, 40);
     (void)exact_add(&m.fabric[0], 0.5, 40);
     (void)exact_add(&m.fabric[1], -0.5, 40);
+    m.n_probes = PROBE_MAX;
+    for (size_t k = 0; k < PROBE_MAX; k++)
+        m.probe[k] = (struct probe_sums){.needs = (uint32_t)(k * 0x9e37U) & ((1u << PROBE_SUMS) - 1u)};
     m.probe[PROBE_MAX - 1].count = 3;
-    (void)exact_add(&m.probe[PROBE_MAX - 1].v[1], -1.0, 40);
+    m.probe[PROBE_MAX - 1].needs = 1u << PROBE_FY;
+    (void)exact_add(&m.probe[PROBE_MAX - 1].sum[PROBE_FY], -1.0, 40);
     return m;
+}
+
+static void check_measures(const struct measures *in, const struct measures *out)
+{
+    CHECK(memcmp(&in->kinetic, &out->kinetic, sizeof in->kinetic) == 0);
+    CHECK_NEAR(out->dt_share, in->dt_share, 0);
+    CHECK_NEAR(out->compression, in->compression, 0);
+    CHECK(in->pairs == 40 && in->free_elements == 15 && in->loaded_pairs == 39);
+    CHECK(memcmp(&in->fabric, &out->fabric, sizeof in->fabric) == 0);
+    CHECK(memcmp(&in->resultants, &out->resultants, sizeof in->resultants) == 0);
+    CHECK(memcmp(&in->magnitudes, &out->magnitudes, sizeof in->magnitudes) == 0);
+    for (size_t k = 0; k < PROBE_MAX; k++) {
+        CHECK(in->probe[k].needs == out->probe[k].needs && in->probe[k].count == out->probe[k].count);
+        CHECK(memcmp(&in->probe[k].sum, &out->probe[k].sum, sizeof in->probe[k].sum) == 0);
+    }
+    CHECK_SAME_BITS(in->p_min, INFINITY);
+    CHECK_EQ_INT(in->n_probes, PROBE_MAX);
+}
+
+TEST(measures_of_probes_that_no_deck_has)
+{
+    struct bytes_writer w = {0};
+    struct measures m = some_measures(), in;
+    m.n_probes = 1;
+    m.probe[0] = (struct probe_sums){.needs = 1u << (PROBE_SUMS - 1)};
+    for (int wrong = 0; wrong < 3; wrong++) {
+        bytes_clear(&w);
+        m.probe[0].needs = wrong == 1 ? 1u << PROBE_SUMS : 1u << (PROBE_SUMS - 1);
+        wire_put_measures(&w, &m);
+        if (wrong == 2)
+            w.data[WIRE_MEASURES - 2] = PROBE_MAX + 1;
+        struct bytes_reader r = bytes_reader_of(w.data, w.length);
+        wire_get_measures(&r, &in);
+        CHECK(r.failed == (wrong != 0));
+        CHECK(wrong != 0 || (bytes_done(&r) && w.length == WIRE_MEASURES + 12 + 16));
+    }
+    bytes_free(&w);
 }
 
 TEST(a_step_message_round_trip)
@@ -232,15 +273,7 @@ TEST(a_step_message_round_trip)
           in.hash == 0xfeedU);
     CHECK_SAME_BITS(in.dmax, 0.5);
     CHECK(in.surveyed && memcmp(&in.spread, &out.spread, sizeof in.spread) == 0);
-    CHECK(memcmp(&in.measures.kinetic, &out.measures.kinetic, sizeof in.measures.kinetic) == 0);
-    CHECK_NEAR(out.measures.dt_share, in.measures.dt_share, 0);
-    CHECK_NEAR(out.measures.compression, in.measures.compression, 0);
-    CHECK(in.measures.pairs == 40 && in.measures.free_elements == 15 && in.measures.loaded_pairs == 39);
-    CHECK(memcmp(&in.measures.fabric, &out.measures.fabric, sizeof in.measures.fabric) == 0);
-    CHECK(memcmp(&in.measures.resultants, &out.measures.resultants, sizeof in.measures.resultants) == 0);
-    CHECK(memcmp(&in.measures.magnitudes, &out.measures.magnitudes, sizeof in.measures.magnitudes) == 0);
-    CHECK(memcmp(&in.measures.probe, &out.measures.probe, sizeof in.measures.probe) == 0);
-    CHECK_SAME_BITS(in.measures.p_min, INFINITY);
+    check_measures(&in.measures, &out.measures);
     for (size_t n = 0; n < w.length; n++) {
         r = bytes_reader_of(w.data, n);
         message_get_step(&r, &in);
@@ -518,6 +551,6 @@ TEST(a_profile)
 }
 
 TEST_MAIN(CASE(sizes), CASE(a_parcel_round_trip), CASE(invalid_elements), CASE(invalid_pairs),
-          CASE(a_step_message_round_trip), CASE(a_deck_message_round_trip),
-          CASE(an_assign_message_round_trip), CASE(a_ready_message_round_trip), CASE(the_small_messages),
+          CASE(a_step_message_round_trip), CASE(measures_of_probes_that_no_deck_has),
+          CASE(a_deck_message_round_trip), CASE(an_assign_message_round_trip), CASE(the_small_messages),
           CASE(a_state_is_compiled_from_parts), CASE(a_state_with_an_invalid_element), CASE(a_profile))

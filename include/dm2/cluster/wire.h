@@ -20,6 +20,7 @@ enum {
     WIRE_ELEMENT = RECORD_BYTES,       /* an element with the fields of its owner */
     WIRE_PAIR = 25,                    /* a struct pair_record */
     WIRE_MEASURED = 56,                /* a struct element_measure */
+    WIRE_MEASURES = 374,               /* the measures without their probes */
     WIRE_BIN = 8 + 8 * 16              /* a struct profile_bin */
 };
 
@@ -41,7 +42,8 @@ void wire_get_pair(struct bytes_reader *r, const struct record_limits *limits, s
 void wire_put_measured(struct bytes_writer *w, const struct element_measure *m);
 void wire_get_measured(struct bytes_reader *r, struct element_measure *out);
 
-/* The measures of a whole subdomain. Extremes are infinite where there is no element, but never NaN. */
+/* The measures of a whole subdomain; of each probe 12 bytes and 16 for each sum that it needs. Extremes are
+ * infinite where there is no element, but never NaN. */
 void wire_put_measures(struct bytes_writer *w, const struct measures *m);
 void wire_get_measures(struct bytes_reader *r, struct measures *out);
 

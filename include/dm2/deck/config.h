@@ -14,7 +14,7 @@
 
 #include "dm2/base/status.h"
 
-enum { NAME_MAX_LENGTH = 31, PROBE_MAX = 8, PROFILE_MAX = 8, MIX_MAX = 4, POLYGON_MAX = 64 };
+enum { NAME_MAX_LENGTH = 31, PROBE_MAX = 64, PROFILE_MAX = 8, MIX_MAX = 4, POLYGON_MAX = 64 };
 typedef char name_text[NAME_MAX_LENGTH + 1];
 
 enum potential_kind { POTENTIAL_QUADRATIC, POTENTIAL_MORSE, POTENTIAL_LENNARD_JONES };
@@ -191,11 +191,29 @@ struct flaw_config {
     int body;       /* -1: any */
 };
 
-/* probe NAME { region = x0 y0 x1 y1 }: the elements that start in the region. Their mean position and
- * velocity are columns of history.csv. */
+/* What a probe reports; bit q of probe_config.report: the columns of quantity q. */
+enum probe_quantity {
+    REPORT_POSITION,
+    REPORT_VELOCITY,
+    REPORT_FORCE,
+    REPORT_TORQUE,
+    REPORT_SPIN,
+    REPORT_STRESS,
+    REPORT_TEMPERATURE,
+    REPORT_KINETIC,
+    REPORT_POROSITY,
+    REPORT_COUNT
+};
+
+/* probe NAME { region = x0 y0 x1 y1 } or { body = NAME }: the elements that start in the region, or those of
+ * the body. What they report are columns of history.csv. At most REGION_MAX probes are of regions. */
+enum { REGION_MAX = 8 };
 struct probe_config {
     name_text name;
-    double box[4];
+    double box[4];   /* the region; of a body, the box around its shape */
+    int mover;       /* index of the body; -1: of a region */
+    int bit;         /* of element.probes, 0 to REGION_MAX - 1; -1: of a body */
+    uint32_t report; /* default position and velocity, and force of a body */
 };
 
 enum axis_kind { AXIS_X, AXIS_Y };
@@ -266,6 +284,8 @@ const struct load_config *config_load(const struct config *c, size_t mover, enum
 /* Does the body follow a table of velocities or spins, or turn, so that its elements have homes, from which
  * their places are worked out? */
 bool config_is_placed(const struct config *c, size_t body);
+/* The number of probes of regions. */
+size_t config_regions(const struct config *c);
 
 /* The contact distance of the two largest elements, cm; 0 without a body whose radius is known. */
 double config_contact_distance(const struct config *c);

@@ -22,7 +22,7 @@ struct element {
     uint16_t kind;   /* index of its (material, phase) in the model */
     uint16_t was;    /* kind before the last move; differs only until the next force evaluation */
     uint8_t flags;   /* enum element_flag */
-    uint8_t probes;  /* bit p: the element belongs to probe p */
+    uint8_t probes;  /* bit p: the element belongs to the p-th probe of a region */
     double radius;   /* cm */
     double mass;     /* g */
     double r[2];     /* position at the whole step, cm */

@@ -3,24 +3,22 @@
 #ifndef DM2_ENGINE_MEASURES_H
 #define DM2_ENGINE_MEASURES_H
 
+#include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "dm2/base/exact.h"
 #include "dm2/deck/config.h"
+#include "dm2/engine/probe.h"
 
 /* The shift (dm2/base/exact.h) of each kind of sum. All follow from the deck, so that all servers have the
  * same. */
 struct measure_scales {
-    int energy, momentum, length, velocity, mass, volume, temperature, force;
+    int energy, momentum, length, velocity, mass, volume, temperature, force, moment, inertia;
 };
 
 /* The shift of the sums of `fabric`. */
 enum { FABRIC_SHIFT = 40 };
-
-struct probe_sums {
-    uint64_t count;
-    struct exact_sum r[2], v[2]; /* positions, cm; means of the velocities of the two half steps, cm/us */
-};
 
 struct measures {
     struct exact_sum kinetic, potential, elastic, thermal; /* energies, g cm2/us2 */
@@ -39,10 +37,11 @@ struct measures {
     double p_min, p_max;                     /* Mbar; +inf and -inf without elements */
     double dt_share;    /* largest share of the present limit that dt is (engine/stiffness.h); 0: not known */
     double compression; /* largest 1 - x/r0 of bonds and contacts, at least 0 */
-    struct probe_sums probe[PROBE_MAX];
+    size_t n_probes;
+    struct probe_sums probe[PROBE_MAX]; /* [n_probes]; the others are not set */
 };
 
-/* Sets the measures of no element: zero sums, infinite extremes. */
+/* Sets the measures of no element: zero sums, infinite extremes, no probes. */
 void measures_clear(struct measures *m);
 
 /* The mean resultant force of the free elements, with gravity, over the mean force in the pairs that touch or
@@ -57,7 +56,11 @@ double measures_coordination(const struct measures *m);
  * trace is 1. NaN without such a pair. Source: Satake (1982). */
 void measures_fabric(const struct measures *m, double fabric[3]);
 
-/* Adds to *m the measures of another part of the system at the same step. */
+/* Are the probes of *m those of the config, with the sums that they need? */
+bool measures_match(const struct measures *m, const struct config *c);
+
+/* Adds to *m, which is clear or has the same probes, the measures of another part of the system at the same
+ * step. */
 void measures_merge(struct measures *m, const struct measures *part);
 
 #endif

@@ -71,7 +71,7 @@ void record_get(struct bytes_reader *r, enum record_form form, struct element *o
 /* The bounds of the records of a run: the numbers of elements, bodies, kinds, probes, bodies with walls,
  * features of walls; the sections; the deck. */
 struct record_limits {
-    size_t elements, bodies, kinds, probes; /* probes: at most PROBE_MAX */
+    size_t elements, bodies, kinds, probes; /* probes: those of regions, at most REGION_MAX */
     size_t movers, features;
     unsigned sections; /* section_has */
     bool periodic[2];
