@@ -13,6 +13,7 @@
 #include "dm2/base/bytes.h"
 #include "dm2/base/mem.h"
 #include "bind.h"
+#include "bind_loads.h"
 #include "interaction_rule.h"
 #include "schema.h"
 
@@ -125,6 +126,30 @@ static bool put_formats(struct writer *w, const struct output_config *o)
     return true;
 }
 
+static bool put_movers(struct writer *w, const struct deck_key *key, const size_t *movers)
+{
+    for (int k = 0; k < key->count && movers[k] != MOVER_NONE; k++)
+        (void)put_word(w, config_mover_name(w->config, movers[k]));
+    return movers[0] != MOVER_NONE;
+}
+
+static bool put_points(struct writer *w, const struct load_points *points)
+{
+    for (size_t k = 0; k < points->n; k++) {
+        (void)put_number(w, points->time[k]);
+        (void)put_number(w, points->value[k]);
+    }
+    return points->n > 0;
+}
+
+static bool put_set(struct writer *w, const struct deck_key *key, uint32_t set)
+{
+    for (int k = 0; k < 32; k++)
+        if (set >> k & 1u)
+            (void)put_choice(w, key->choices, k);
+    return set != 0;
+}
+
 /* Writes the value of a keyword of the struct `base`. False: the value is unset. */
 static bool put_value(struct writer *w, const struct deck_key *key, const void *base)
 {
@@ -153,6 +178,14 @@ static bool put_value(struct writer *w, const struct deck_key *key, const void *
         int body = *(const int *)at;
         return body >= 0 && put_word(w, w->config->bodies[body].name);
     }
+    case VALUE_MOVERS:
+        return put_movers(w, key, at);
+    case VALUE_POINTS:
+        return put_points(w, at);
+    case VALUE_FILE: /* its values are those of the points */
+        return false;
+    case VALUE_SET:
+        return put_set(w, key, *(const uint32_t *)at);
     case VALUE_STEPS:
         return put_steps(w, &w->config->output);
     case VALUE_FORMATS:
@@ -221,6 +254,22 @@ static void put_phases(struct writer *w)
         (void)snprintf(head.text, sizeof head.text, "phase %s %s", w->config->materials[phase->material].name,
                        phase->name);
         put_item(w, BLOCK_PHASE, head.text, phase, UINT32_MAX);
+    }
+}
+
+/* The loads that came from one block are neighbours in the config. */
+static void put_loads(struct writer *w)
+{
+    const struct config *c = w->config;
+    for (size_t i = 0; i < c->n_loads;) {
+        struct load_block block = load_block_start();
+        struct head head;
+        block.common = c->loads[i];
+        (void)snprintf(head.text, sizeof head.text, "load %s", c->loads[i].name);
+        for (; i < c->n_loads && strcmp(c->loads[i].name, block.common.name) == 0; i++)
+            block.points[c->loads[i].quantity] =
+                (struct load_points){c->loads[i].n, c->loads[i].time, c->loads[i].value};
+        put_item(w, BLOCK_LOAD, head.text, &block, UINT32_MAX);
     }
 }
 
@@ -301,6 +350,7 @@ static void put_deck(struct writer *w)
     put_things(w, BLOCK_REACTION, true);
     put_rules(w);
     put_things(w, BLOCK_BODY, true);
+    put_loads(w);
     put_things(w, BLOCK_VOID, false);
     put_things(w, BLOCK_FLAW, false);
     put_things(w, BLOCK_PROBE, true);

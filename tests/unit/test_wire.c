@@ -552,5 +552,6 @@ TEST(a_profile)
 
 TEST_MAIN(CASE(sizes), CASE(a_parcel_round_trip), CASE(invalid_elements), CASE(invalid_pairs),
           CASE(a_step_message_round_trip), CASE(measures_of_probes_that_no_deck_has),
-          CASE(a_deck_message_round_trip), CASE(an_assign_message_round_trip), CASE(the_small_messages),
-          CASE(a_state_is_compiled_from_parts), CASE(a_state_with_an_invalid_element), CASE(a_profile))
+          CASE(a_deck_message_round_trip), CASE(an_assign_message_round_trip),
+          CASE(a_ready_message_round_trip), CASE(the_small_messages), CASE(a_state_is_compiled_from_parts),
+          CASE(a_state_with_an_invalid_element), CASE(a_profile))
