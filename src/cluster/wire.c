@@ -154,6 +154,7 @@ void wire_put_measures(struct bytes_writer *w, const struct measures *m)
     put_sum(w, &m->chemical);
     put_sum(w, &m->phase);
     put_sum(w, &m->work);
+    put_sum(w, &m->damped);
     put_sum(w, &m->momentum[0]);
     put_sum(w, &m->momentum[1]);
     put_sum(w, &m->angular);
@@ -186,6 +187,7 @@ void wire_get_measures(struct bytes_reader *r, struct measures *out)
     get_sum(r, &out->chemical);
     get_sum(r, &out->phase);
     get_sum(r, &out->work);
+    get_sum(r, &out->damped);
     get_sum(r, &out->momentum[0]);
     get_sum(r, &out->momentum[1]);
     get_sum(r, &out->angular);

@@ -35,6 +35,10 @@ static const struct deck_key domain_keys[] = {
      .meaning = "what the servers get equal parts of"},
     {"gravity", VALUE_REAL, 2, ACCELERATION, ANY, .initial = "0 0",
      .offset = offsetof(struct config, gravity), .meaning = "a constant acceleration of every element"},
+    {"damping", VALUE_REAL, 1, PLAIN, .low = 0, .high = 1, .high_open = true, .initial = "0",
+     .offset = offsetof(struct config, damping),
+     .meaning = "alpha of local damping, for bodies that shall come to rest: what drives a free element on is "
+                "made smaller by this share, what slows it down larger"},
 };
 
 static const struct deck_key time_keys[] = {

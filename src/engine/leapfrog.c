@@ -4,7 +4,8 @@
  * before. The sums of each element are enough to correct this lag exactly, because sum over pairs of -F_d .
  * (v(n-1/2) + v(n+1/2))/2 dt = lagged heat - 1/2 dt sum_i (F_d,i . dv_i + tau_d,i dw_i). At the whole step,
  * kinetic energy is that of the mean velocity, and thermal energy counts half of the damping heat of the
- * surrounding step and all heat freed so far. */
+ * surrounding step and all heat freed so far. What local damping takes is booked like the work of driven
+ * elements: its power at a whole step is that of the mean velocity, and a whole step counts half of it. */
 #include "leapfrog.h"
 
 #include <math.h>
@@ -27,12 +28,34 @@ double leapfrog_path_time(const struct model *m, int64_t step)
 
 /* The changes of one element by one kick. */
 struct kick {
-    double dv[2], dw;   /* cm/us, 1/us; 0 for a driven element */
-    double heat_now;    /* freed at once, g cm2/us2 */
-    double heat_damped; /* of the kick, corrected, with conduction, g cm2/us2 */
-    double force[2];    /* total pair force, Mbar cm2 */
-    double torque;      /* total pair torque, Mbar cm3; where the deck has drives */
+    double dv[2], dw;          /* cm/us, 1/us; 0 for a driven element */
+    double heat_now;           /* freed at once, g cm2/us2 */
+    double heat_damped;        /* of the kick, corrected, with conduction, g cm2/us2 */
+    double force[2];           /* total pair force, Mbar cm2 */
+    double torque;             /* total pair torque, Mbar cm3; where the deck has drives */
+    double held[2], held_spin; /* the parts of dv and dw that local damping took; 0 without local damping */
 };
+
+/* The change of a velocity that local damping (Cundall 1987) leaves of `change`: less where `change` and the
+ * velocity of the half step before agree in sign, more where they do not. */
+DM2_INLINE double damp_change(double change, double velocity, double alpha)
+{
+    int agree = ((change > 0.0) - (change < 0.0)) * ((velocity > 0.0) - (velocity < 0.0));
+    return change * (1.0 - alpha * agree);
+}
+
+/* Damps the changes of slot i, which are those of the undamped kick. */
+DM2_INLINE void damp_kick(const struct particles *p, size_t i, double alpha, struct kick *k)
+{
+    for (size_t a = 0; a < 2; a++) {
+        double whole = k->dv[a];
+        k->dv[a] = damp_change(whole, p->v[2 * i + a], alpha);
+        k->held[a] = whole - k->dv[a];
+    }
+    double whole = k->dw;
+    k->dw = damp_change(whole, p->w[i], alpha);
+    k->held_spin = whole - k->dw;
+}
 
 /* The changes of slot i that a drive makes: to the velocity and the spin of the next half step, where the
  * elements of the body follow their homes, or by an acceleration. */
@@ -51,10 +74,10 @@ static void drive_kick(const struct particles *p, size_t i, const struct body_dr
     }
 }
 
-/* near: the deck has near pairs; without near pairs pair_sum is not valid. drives: p->drives. dt: of the
- * kick, us. */
+/* near: the deck has near pairs; without near pairs pair_sum is not valid. damped: the deck has local
+ * damping. drives: p->drives. dt: of the kick, us. */
 DM2_INLINE struct kick find_kick(const struct model *m, const struct particles *p, size_t i, double dt,
-                                 bool near, const struct body_drive *drives)
+                                 bool near, bool damped, const struct body_drive *drives)
 {
     const int64_t *s = near ? p->pair_sum + SUM_COUNT * i : NULL;
     const struct fixed_scales *x = &m->fixed;
@@ -76,6 +99,8 @@ DM2_INLINE struct kick find_kick(const struct model *m, const struct particles *
         k.torque = (double)s[SUM_TORQUE] * x->over_torque;
     if (drives != NULL)
         drive_kick(p, i, &drives[p->body[i]], dt, &k);
+    if (damped && !(p->flags[i] & ELEMENT_FIXED_MOTION))
+        damp_kick(p, i, m->config->damping, &k);
     if (near) {
         double lost = (double)s[SUM_DX] * x->over_force * k.dv[0] +
                       (double)s[SUM_DY] * x->over_force * k.dv[1] +
@@ -90,7 +115,7 @@ void leapfrog_whole_velocity(const struct model *m, const struct particles *p, s
                              double v[2], double *w)
 {
     double share = step == 0 ? 0.0 : 0.5; /* step 0 starts at the whole step */
-    struct kick k = find_kick(m, p, i, leapfrog_kick_time(m, step), m->has_near, p->drives);
+    struct kick k = find_kick(m, p, i, leapfrog_kick_time(m, step), m->has_near, m->has_damping, p->drives);
     for (size_t a = 0; a < 2; a++)
         v[a] = p->v[2 * i + a] + share * k.dv[a];
     *w = p->w[i] + share * k.dw;
@@ -171,6 +196,16 @@ static double find_drive_work(const struct particles *p, size_t i, const struct 
     return find_kinetic(p, i, to, w + end * k->dw) - find_kinetic(p, i, v, w) - share * dt * power;
 }
 
+/* The energy that local damping takes from slot i in kick k, g cm2/us2. `share` of the kick is done at the
+ * whole step, where the power of the damping is taken. */
+DM2_INLINE double find_damped(const struct particles *p, size_t i, const struct kick *k, double share)
+{
+    double mass = p->mass[i], inertia = 0.5 * mass * (p->radius[i] * p->radius[i]);
+    return mass * (k->held[0] * (p->v[2 * i] + share * k->dv[0]) +
+                   k->held[1] * (p->v[2 * i + 1] + share * k->dv[1])) +
+           inertia * (k->held_spin * (p->w[i] + share * k->dw));
+}
+
 /* Adds the part of slot i to the measures of this step. False where a value leaves the range of its sum. */
 static bool measure_element(const struct model *m, const struct particles *p, size_t i, int64_t step,
                             const struct kick *k, struct measures *out)
@@ -197,6 +232,8 @@ static bool measure_element(const struct model *m, const struct particles *p, si
         fits &= exact_add(&out->phase, mass * kind->energy + p->moved[i], s->energy);
     }
     fits &= exact_add(&out->work, work, s->energy);
+    if (p->damped != NULL)
+        fits &= exact_add(&out->damped, p->damped[i] + share * find_damped(p, i, k, share), s->energy);
     fits &= exact_add(&out->momentum[0], mass * v[0], s->momentum);
     fits &= exact_add(&out->momentum[1], mass * v[1], s->momentum);
     fits &= exact_add(&out->angular, mass * (x * v[1] - y * v[0]) + spin, s->momentum);
@@ -254,24 +291,27 @@ static bool set_place(const struct model *m, const struct particles *p, size_t a
     return p->image[at] <= IMAGE_MOST && p->image[at] >= -IMAGE_MOST;
 }
 
-/* Kicks and drifts the owned elements; compiled apart for decks with near pairs, without, and with drives.
- * Returns the
- * largest squared speed; *bad is the first slot whose squared speed is not below limit2, or that has gone
- * round the domain more than IMAGE_MOST times, n_own if there is none. `own` is a copy of the columns that no
- * other pointer reaches, so that a store to one column does not force the processor to reload the addresses
- * of all. */
+/* Kicks and drifts the owned elements; compiled apart for decks with near pairs, without, and with local
+ * damping or drives. Returns the largest squared speed; *bad is the first slot whose squared speed is not
+ * below limit2, or that has gone round the domain more than IMAGE_MOST times, n_own if there is none. `own`
+ * is a copy of the columns that no other pointer reaches, so that a store to one column does not force the
+ * processor to reload the addresses of all. */
 DM2_INLINE double kick_and_drift(const struct model *m, const struct particles *columns, double dt_kick,
-                                 double limit2, bool near, const struct body_drive *drives, size_t *bad)
+                                 double limit2, bool near, bool damped, const struct body_drive *drives,
+                                 size_t *bad)
 {
     struct particles own = *columns, *p = &own;
     const struct config *c = m->config;
     const bool pulled = c->gravity[0] != 0.0 || c->gravity[1] != 0.0;
     double dt = c->dt, fastest2 = 0.0;
+    double share = dt_kick == dt ? 0.5 : 0.0; /* as in measure_element */
     *bad = p->n_own;
     for (size_t i = 0; i < p->n_own; i++) {
         const struct body_drive *drive = drives != NULL ? &drives[p->body[i]] : NULL;
         const bool placed = drive != NULL && drive->placed;
-        struct kick k = find_kick(m, p, i, dt_kick, near, drives);
+        struct kick k = find_kick(m, p, i, dt_kick, near, damped, drives);
+        if (damped)
+            p->damped[i] += find_damped(p, i, &k, share);
         double v[2] = {p->v[2 * i] + k.dv[0], p->v[2 * i + 1] + k.dv[1]},
                r[2] = {p->r[2 * i], p->r[2 * i + 1]};
         if (placed) /* exactly, not but for the rounding of the kick */
@@ -322,19 +362,25 @@ DM2_INLINE double kick_and_drift(const struct model *m, const struct particles *
 DM2_WIDE static double kick_and_drift_near(const struct model *m, const struct particles *p, double dt_kick,
                                            double limit2, size_t *bad)
 {
-    return kick_and_drift(m, p, dt_kick, limit2, true, NULL, bad);
+    return kick_and_drift(m, p, dt_kick, limit2, true, false, NULL, bad);
 }
 
 DM2_WIDE static double kick_and_drift_far(const struct model *m, const struct particles *p, double dt_kick,
                                           double limit2, size_t *bad)
 {
-    return kick_and_drift(m, p, dt_kick, limit2, false, NULL, bad);
+    return kick_and_drift(m, p, dt_kick, limit2, false, false, NULL, bad);
+}
+
+DM2_WIDE static double kick_and_drift_damped(const struct model *m, const struct particles *p, double dt_kick,
+                                             double limit2, size_t *bad)
+{
+    return kick_and_drift(m, p, dt_kick, limit2, m->has_near, true, NULL, bad);
 }
 
 static double kick_and_drift_driven(const struct model *m, const struct particles *p, double dt_kick,
                                     double limit2, size_t *bad)
 {
-    return kick_and_drift(m, p, dt_kick, limit2, m->has_near, p->drives, bad);
+    return kick_and_drift(m, p, dt_kick, limit2, m->has_near, m->has_damping, p->drives, bad);
 }
 
 enum dm2_status leapfrog_move(const struct model *m, struct particles *p, int64_t step, bool drift,
@@ -343,7 +389,7 @@ enum dm2_status leapfrog_move(const struct model *m, struct particles *p, int64_
     double dt = m->config->dt, dt_kick = leapfrog_kick_time(m, step);
     double edge = m->grid.lx < m->grid.ly ? m->grid.lx : m->grid.ly, limit2 = (edge / dt) * (edge / dt);
     for (size_t i = 0; out != NULL && i < p->n_own; i++) {
-        struct kick k = find_kick(m, p, i, dt_kick, m->has_near, p->drives);
+        struct kick k = find_kick(m, p, i, dt_kick, m->has_near, m->has_damping, p->drives);
         if (!measure_element(m, p, i, step, &k, out))
             return fail_out_of_range(p, i, step, "left the range that sums can hold", err);
     }
@@ -351,6 +397,7 @@ enum dm2_status leapfrog_move(const struct model *m, struct particles *p, int64_
         return DM2_OK;
     size_t bad;
     double fastest2 = p->drives != NULL ? kick_and_drift_driven(m, p, dt_kick, limit2, &bad)
+                      : m->has_damping  ? kick_and_drift_damped(m, p, dt_kick, limit2, &bad)
                       : m->has_near     ? kick_and_drift_near(m, p, dt_kick, limit2, &bad)
                                         : kick_and_drift_far(m, p, dt_kick, limit2, &bad);
     if (bad < p->n_own && fastest2 < limit2)

@@ -30,6 +30,7 @@ void measures_merge(struct measures *m, const struct measures *part)
     exact_merge(&m->chemical, &part->chemical);
     exact_merge(&m->phase, &part->phase);
     exact_merge(&m->work, &part->work);
+    exact_merge(&m->damped, &part->damped);
     exact_merge(&m->momentum[0], &part->momentum[0]);
     exact_merge(&m->momentum[1], &part->momentum[1]);
     exact_merge(&m->angular, &part->angular);

@@ -184,6 +184,7 @@ static enum dm2_status build_tables(struct model *m, struct dm2_error *err)
     for (size_t i = 0; i < c->n_loads; i++)
         m->has_held |= c->loads[i].quantity == LOAD_TEMPERATURE;
     m->has_strain = c->output.strain;
+    m->has_damping = c->damping > 0.0;
     if (m->has_strain && !m->has_near)
         return dm2_fail(err, DM2_DECK,
                         "strain = yes measures the motion of linked or touching neighbours, and no "

@@ -47,9 +47,9 @@ double energy_book_add(struct energy_book *book, const struct book_row *row)
 
 enum dm2_status energy_book_replay(struct energy_book *book, const struct csv *table, struct dm2_error *err)
 {
-    static const char *const names[] = {"step",      "kinetic",  "work",     "total",
-                                        "potential", "elastic",  "thermal",  "chemical",
-                                        "phase",     "elements", "dt_share", "compression"};
+    static const char *const names[] = {"step",     "kinetic",  "work",       "total", "potential",
+                                        "elastic",  "thermal",  "chemical",   "phase", "damped",
+                                        "elements", "dt_share", "compression"};
     enum { COLUMNS = sizeof names / sizeof names[0] };
     double *column[COLUMNS] = {NULL};
     enum dm2_status status = DM2_OK;
@@ -67,9 +67,9 @@ enum dm2_status energy_book_replay(struct energy_book *book, const struct csv *t
                                .kinetic = column[1][r],
                                .work = column[2][r],
                                .total = column[3][r],
-                               .elements = column[9][r],
-                               .dt_share = column[10][r],
-                               .compression = column[11][r]};
+                               .elements = column[10][r],
+                               .dt_share = column[11][r],
+                               .compression = column[12][r]};
         for (int a = 0; a < BOOK_ACCOUNTS; a++)
             row.account[a] = column[4 + a][r];
         (void)energy_book_add(book, &row);

@@ -18,7 +18,7 @@
 #include "dm2/base/status.h"
 #include "dm2/output/results.h"
 
-enum { BOOK_ACCOUNTS = 5 }; /* potential, elastic, thermal, chemical, phase */
+enum { BOOK_ACCOUNTS = 6 }; /* potential, elastic, thermal, chemical, phase, damped */
 
 /* The numbers of one row of history.csv that the book needs; energies in g cm2/us2. */
 struct book_row {

@@ -50,6 +50,7 @@ void history_put_heading(struct file_out *f, const struct config *c)
         {"fabric_xx", ""},
         {"fabric_yy", ""},
         {"fabric_xy", ""},
+        {"damped", "g cm2/us2"},
     };
     for (size_t i = 0; i < sizeof columns / sizeof columns[0]; i++) {
         file_puts(f, i == 0 ? "" : ",");
@@ -75,7 +76,7 @@ static void write_number(struct file_out *f, double x)
     file_write(f, text, length + 1);
 }
 
-/* kinetic + potential + elastic + thermal + chemical + phase - work, exact. */
+/* kinetic + potential + elastic + thermal + chemical + phase + damped - work, exact. */
 static struct exact_sum conserved_sum(const struct measures *m)
 {
     struct exact_sum sum = m->work;
@@ -87,6 +88,7 @@ static struct exact_sum conserved_sum(const struct measures *m)
     exact_merge(&sum, &m->thermal);
     exact_merge(&sum, &m->chemical);
     exact_merge(&sum, &m->phase);
+    exact_merge(&sum, &m->damped);
     return sum;
 }
 
@@ -110,7 +112,7 @@ struct book_row history_book_row(const struct measure_scales *scales, int64_t st
         .total = exact_value(&total, scales->energy),
         .account = {exact_value(&m->potential, scales->energy), exact_value(&m->elastic, scales->energy),
                     exact_value(&m->thermal, scales->energy), exact_value(&m->chemical, scales->energy),
-                    exact_value(&m->phase, scales->energy)},
+                    exact_value(&m->phase, scales->energy), exact_value(&m->damped, scales->energy)},
         .elements = (double)m->elements,
         .dt_share = m->dt_share,
         .compression = m->compression};
@@ -143,6 +145,7 @@ enum dm2_status history_put_row(struct file_out *f, const struct config *c,
     measures_fabric(m, fabric);
     for (int a = 0; a < 3; a++)
         write_number(f, fabric[a]);
+    write_number(f, exact_value(&m->damped, scales->energy));
     for (size_t p = 0; p < c->n_probes; p++)
         write_probe(f, &c->probes[p], scales, &m->probe[p]);
     file_puts(f, "\n");

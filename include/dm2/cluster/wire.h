@@ -20,7 +20,7 @@ enum {
     WIRE_ELEMENT = RECORD_BYTES,       /* an element with the fields of its owner */
     WIRE_PAIR = 25,                    /* a struct pair_record */
     WIRE_MEASURED = 56,                /* a struct element_measure */
-    WIRE_MEASURES = 314,               /* the measures without their probes */
+    WIRE_MEASURES = 330,               /* the measures without their probes */
     WIRE_BIN = 8 + 8 * 16              /* a struct profile_bin */
 };
 

@@ -248,6 +248,7 @@ struct config {
     char *dt_place; /* place of `dt` in the deck, for config_fail; NULL: unknown */
     int64_t steps;
     double gravity[2]; /* body acceleration, cm/us2 */
+    double damping;    /* alpha of local damping, 0 <= alpha < 1; 0 by default */
     size_t n_materials, n_phases, n_reactions, n_bodies, n_probes, n_profiles, n_voids, n_flaws, n_loads;
     struct material_config *materials;
     struct phase_config *phases;       /* in deck order: kind n_materials + i is phase i */

@@ -25,6 +25,7 @@ struct measures {
     struct exact_sum chemical; /* energy that the remaining reactants can still release */
     struct exact_sum phase;    /* latent heats, and energy that changes of kind took out of bonds and spin */
     struct exact_sum work;     /* energy that body force and driven elements put in */
+    struct exact_sum damped;      /* energy that local damping took */
     struct exact_sum momentum[2]; /* g cm/us */
     struct exact_sum angular;     /* angular momentum about the origin, orbital and spin */
     uint64_t elements, links, contacts;

@@ -87,7 +87,7 @@ bool results_warns(struct results *r, char line[RESULTS_LINE]);
  * because a run that went back to an earlier state repeats such steps with the same numbers.
  *
  * Appends the row of one step to history.csv. The column `total` = kinetic + potential + elastic + thermal +
- * chemical + phase - work is constant under exact integration; the sum is exact until it is rounded once. The
+ * chemical + phase + damped - work is constant under exact integration; the sum is exact until it is rounded once. The
  * column `drift` is the change of `total` over the energies that moved. Also DM2_NUMERIC where the drift is
  * beyond 50 %: then the run ends, and a final.dm2 of this run is removed. */
 enum dm2_status results_history(struct results *r, int64_t step, const struct measures *m,
