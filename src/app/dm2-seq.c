@@ -170,6 +170,8 @@ static enum dm2_status take_step(struct sequence *s, struct dm2_error *err)
     started = clock_now();
     if (status == DM2_OK && history)
         status = write_row(s, n, &measures, err);
+    if (status == DM2_OK)
+        status = results_cracks(s->results, n, subdomain_cracks(s->sd), err);
     s->report.output += clock_now() - started;
     s->report.steps = n + 1;
     return status;
@@ -191,6 +193,8 @@ static enum dm2_status finish_run(struct sequence *s, struct dm2_error *err)
         status = subdomain_measure_last(s->sd, &measures, err);
     if (status == DM2_OK && schedule_history(c, c->steps))
         status = write_row(s, c->steps, &measures, err);
+    if (status == DM2_OK)
+        status = results_cracks(s->results, c->steps, subdomain_cracks(s->sd), err);
     return status;
 }
 

@@ -77,6 +77,7 @@ static void close_client(struct client *c, enum dm2_status status, const struct 
     conversation_close(&c->talk, status, err);
     relay_free(&c->relay);
     collection_close(&c->collection);
+    crack_list_free(&c->cracks);
     free(c->answers);
     free(c->sources);
 }

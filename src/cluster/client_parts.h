@@ -44,8 +44,9 @@ struct client {
     struct relay relay;
     struct relay_source *sources; /* [ranks] */
     struct rebuild_plan plan;
-    bool copy_due; /* the state comes with the next STEP messages */
-    bool survey;   /* the spread comes with the next STEP messages */
+    struct crack_list cracks; /* that came with the last STEP or DONE messages */
+    bool copy_due;            /* the state comes with the next STEP messages */
+    bool survey;              /* the spread comes with the next STEP messages */
 };
 
 /* --- client_setup.c, in the order of a session --- */

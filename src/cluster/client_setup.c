@@ -405,6 +405,7 @@ enum dm2_status client_assign(struct client *c, struct dm2_error *err)
                                .hash_every = c->options->hash_every,
                                .rebuild_first = rebuild_plan_expected(&c->plan),
                                .copy_first = c->copy_due,
+                               .end = c->job->config->steps,
                                .start = restored ? from.step : -1};
     for (m.rank = 0; m.rank < c->ranks; m.rank++) {
         decomposition_interfaces(d, m.rank, m.interfaces);

@@ -11,8 +11,25 @@
 
 #include "dm2/base/bytes.h"
 #include "dm2/base/clock.h"
+#include "dm2/cluster/wire.h"
 #include "dm2/deck/schedule.h"
 #include "dm2/output/results.h"
+
+/* Adds the broken links that came from a server to c->cracks. */
+static enum dm2_status take_cracks(struct client *c, int rank, const struct crack_part *part,
+                                   struct dm2_error *err)
+{
+    struct bytes_reader r = bytes_reader_of(part->bytes, part->n * WIRE_CRACK);
+    for (size_t k = 0; k < part->n; k++) {
+        struct crack crack;
+        wire_get_crack(&r, model_elements(c->job->model), &crack);
+        if (r.failed)
+            return conversation_not_decoded(&c->talk, rank, "list of broken links", err);
+        if (crack_list_add(&c->cracks, &crack) != 0)
+            return dm2_fail(err, DM2_MEMORY, "no memory for %zu broken links", part->n);
+    }
+    return DM2_OK;
+}
 
 static enum dm2_status take_step(void *context, int rank, struct bytes_reader *r, struct dm2_error *err)
 {
@@ -23,7 +40,7 @@ static enum dm2_status take_step(void *context, int rank, struct bytes_reader *r
         return conversation_not_decoded(&c->talk, rank, "STEP", err);
     a->segments = (struct relay_source){
         .segments = r->data + r->at, .length = bytes_remaining(r), .count = a->step.n_segments};
-    return DM2_OK;
+    return take_cracks(c, rank, &a->step.cracks, err);
 }
 
 /* The STEP messages of all ranks together. */
@@ -167,6 +184,7 @@ static enum dm2_status run_step(struct client *c, int64_t n, bool *rebuild, stru
     double start = clock_now();
     bool copy = c->copy_due;
     c->talk.at = n + 1;
+    c->cracks.n = 0;
     collection_expect(&c->collection, STATE_SNAPSHOT, snapshot, n);
     collection_expect(&c->collection, STATE_COPY, copy, n + 1);
     collection_expect_profiles(&c->collection, n);
@@ -186,6 +204,8 @@ static enum dm2_status run_step(struct client *c, int64_t n, bool *rebuild, stru
     }
     if (history)
         status = write_row(c, n, &sum.measures, err);
+    if (status == DM2_OK)
+        status = results_cracks(c->job->results, n, &c->cracks, err);
     if (status == DM2_OK)
         status = collection_write_profiles(&c->collection, err);
     if (snapshot && status == DM2_OK)
@@ -228,6 +248,9 @@ static enum dm2_status take_done(void *context, int rank, struct bytes_reader *r
     message_get_done(r, &a->done);
     if (r->failed)
         return conversation_not_decoded(&c->talk, rank, "DONE", err);
+    enum dm2_status status = take_cracks(c, rank, &a->done.cracks, err);
+    if (status != DM2_OK)
+        return status;
     struct server_report *s = &c->course->report.servers[rank];
     (void)snprintf(s->name, sizeof s->name, "%s", c->talk.peers[rank].channel.name);
     s->cells = decomposition_cells(c->decomposition, rank);
@@ -247,9 +270,10 @@ enum dm2_status client_finish(struct client *c, struct dm2_error *err)
     collection_expect(&c->collection, STATE_FINAL, true, config->steps);
     collection_expect(&c->collection, STATE_SNAPSHOT, snapshot, config->steps);
     collection_expect_profiles(&c->collection, config->steps);
+    c->cracks.n = 0;
     for (int k = 0; k < c->ranks; k++)
         c->talk.peers[k].awaited = true; /* DONE comes without a message to the servers */
-    enum dm2_status status = conversation_gather(&c->talk, MESSAGE_DONE, LIMIT_STATE, take_done, false, err);
+    enum dm2_status status = conversation_gather(&c->talk, MESSAGE_DONE, LIMIT_STEP, take_done, false, err);
     measures_clear(&sum);
     for (int k = 0; k < c->ranks && status == DM2_OK; k++) {
         const struct measures *part = &c->answers[k].done.measures;
@@ -259,6 +283,8 @@ enum dm2_status client_finish(struct client *c, struct dm2_error *err)
     }
     if (status == DM2_OK && schedule_history(config, config->steps))
         status = write_row(c, config->steps, &sum, err);
+    if (status == DM2_OK)
+        status = results_cracks(c->job->results, config->steps, &c->cracks, err);
     if (status == DM2_OK)
         status = collection_write_profiles(&c->collection, err);
     if (status == DM2_OK && snapshot)

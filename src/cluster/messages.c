@@ -154,6 +154,7 @@ void message_put_assign(struct bytes_writer *w, const struct assign_message *m)
     bytes_put_i64(w, m->hash_every);
     bytes_put_u8(w, m->rebuild_first);
     bytes_put_u8(w, m->copy_first);
+    bytes_put_i64(w, m->end);
     bytes_put_i64(w, m->start);
 }
 
@@ -188,8 +189,9 @@ void message_get_assign(struct bytes_reader *r, struct assign_message *m)
     m->hash_every = bytes_get_i64(r);
     m->rebuild_first = get_bool(r);
     m->copy_first = get_bool(r);
+    m->end = bytes_get_i64(r);
     m->start = bytes_get_i64(r);
-    require(r, m->hash_every >= 0 && m->start >= -1 && bytes_done(r));
+    require(r, m->hash_every >= 0 && m->start >= -1 && m->end >= m->start && m->end >= 0 && bytes_done(r));
 }
 
 void message_free_assign(struct assign_message *m)
@@ -238,13 +240,34 @@ static void get_spread(struct bytes_reader *r, struct spread *s)
         require(r, s->low[a] <= s->high[a] || (s->low[a] == INFINITY && s->high[a] == -INFINITY));
 }
 
-enum { STEP_REBUILD = 1, STEP_MEASURED = 2, STEP_HASHED = 4, STEP_SURVEYED = 8, STEP_FLAGS = 15 };
+static void put_cracks(struct bytes_writer *w, const struct crack_part *c)
+{
+    bytes_put_u32(w, (uint32_t)c->n);
+    for (size_t k = 0; k < c->n; k++)
+        wire_put_crack(w, &c->items[k]);
+}
+
+static void get_cracks(struct bytes_reader *r, struct crack_part *c)
+{
+    c->n = bytes_get_count(r, WIRE_CRACK);
+    c->bytes = bytes_get_raw(r, c->n * WIRE_CRACK);
+}
+
+enum {
+    STEP_REBUILD = 1,
+    STEP_MEASURED = 2,
+    STEP_HASHED = 4,
+    STEP_SURVEYED = 8,
+    STEP_CRACKED = 16,
+    STEP_FLAGS = 31
+};
 
 void message_put_step(struct bytes_writer *w, const struct step_message *m)
 {
     bytes_put_i64(w, m->step);
     bytes_put_u8(w, (uint8_t)((m->rebuild ? STEP_REBUILD : 0) | (m->measured ? STEP_MEASURED : 0) |
-                              (m->hashed ? STEP_HASHED : 0) | (m->surveyed ? STEP_SURVEYED : 0)));
+                              (m->hashed ? STEP_HASHED : 0) | (m->surveyed ? STEP_SURVEYED : 0) |
+                              (m->cracks.n > 0 ? STEP_CRACKED : 0)));
     bytes_put_u64(w, m->owned);
     bytes_put_u64(w, m->migrants);
     bytes_put_f64(w, m->dmax);
@@ -255,6 +278,8 @@ void message_put_step(struct bytes_writer *w, const struct step_message *m)
         wire_put_measures(w, &m->measures);
     if (m->hashed)
         bytes_put_u64(w, m->hash);
+    if (m->cracks.n > 0)
+        put_cracks(w, &m->cracks);
     bytes_put_u32(w, m->n_segments);
 }
 
@@ -276,16 +301,28 @@ void message_get_step(struct bytes_reader *r, struct step_message *m)
     if (m->measured)
         wire_get_measures(r, &m->measures);
     m->hash = m->hashed ? bytes_get_u64(r) : 0;
+    m->cracks = (struct crack_part){0};
+    if ((flags & STEP_CRACKED) != 0)
+        get_cracks(r, &m->cracks);
+    require(r, ((flags & STEP_CRACKED) != 0) == (m->cracks.n > 0));
     m->n_segments = bytes_get_u32(r);
 }
 
-enum { NEXT_REDO = 1, NEXT_REBUILD = 2, NEXT_COPY = 4, NEXT_SURVEY = 8, NEXT_FLAGS = 15 };
+enum {
+    NEXT_REDO = 1,
+    NEXT_REBUILD = 2,
+    NEXT_COPY = 4,
+    NEXT_SURVEY = 8,
+    NEXT_ENDS = 32, /* 16 is not in use */
+    NEXT_FLAGS = 15 | NEXT_ENDS
+};
 
 void message_put_next(struct bytes_writer *w, const struct next_message *m)
 {
     bytes_put_i64(w, m->step);
     bytes_put_u8(w, (uint8_t)((m->redo ? NEXT_REDO : 0) | (m->rebuild_next ? NEXT_REBUILD : 0) |
-                              (m->copy_next ? NEXT_COPY : 0) | (m->survey_next ? NEXT_SURVEY : 0)));
+                              (m->copy_next ? NEXT_COPY : 0) | (m->survey_next ? NEXT_SURVEY : 0) |
+                              (m->ends ? NEXT_ENDS : 0)));
     bytes_put_u32(w, m->n_segments);
 }
 
@@ -298,8 +335,9 @@ void message_get_next(struct bytes_reader *r, struct next_message *m)
     m->rebuild_next = (flags & NEXT_REBUILD) != 0;
     m->copy_next = (flags & NEXT_COPY) != 0;
     m->survey_next = (flags & NEXT_SURVEY) != 0;
+    m->ends = (flags & NEXT_ENDS) != 0;
     m->n_segments = bytes_get_u32(r);
-    require(r, !m->redo || m->n_segments == 0);
+    require(r, !m->redo || (m->n_segments == 0 && !m->ends));
 }
 
 /* The sections of a STATE message before the further ones. */
@@ -394,6 +432,7 @@ void message_put_done(struct bytes_writer *w, const struct done_message *m)
 {
     const struct server_times *t = &m->times;
     wire_put_measures(w, &m->measures);
+    put_cracks(w, &m->cracks);
     bytes_put_f64(w, t->forces);
     bytes_put_f64(w, t->integrate);
     bytes_put_f64(w, t->rebuild);
@@ -417,6 +456,7 @@ void message_get_done(struct bytes_reader *r, struct done_message *m)
 {
     struct server_times *t = &m->times;
     wire_get_measures(r, &m->measures);
+    get_cracks(r, &m->cracks);
     t->forces = get_seconds(r);
     t->integrate = get_seconds(r);
     t->rebuild = get_seconds(r);

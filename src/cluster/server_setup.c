@@ -23,6 +23,11 @@ static enum dm2_status check_assignment(struct session *s, struct dm2_error *err
                         "install the same dm2 on both machines",
                         a->cx, a->cy, (unsigned long long)a->elements, g->cx, g->cy,
                         model_elements(s->model));
+    if (a->end > s->config.steps)
+        return dm2_fail(err, DM2_PROTOCOL,
+                        "the client's run ends at step %lld, that of its deck at step %lld",
+                        (long long)a->end, (long long)s->config.steps);
+    s->config.steps = a->end;
     enum dm2_status status = decomposition_from_rects(g, a->ranks, a->rects, &s->decomposition, err);
     if (status != DM2_OK)
         return status;

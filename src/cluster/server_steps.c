@@ -201,6 +201,7 @@ static enum dm2_status swap_segments(struct session *s, struct step_message *m, 
                             (long long)m->step);
         m->rebuild = true;
         m->measured = m->hashed = m->surveyed = false;
+        m->cracks = (struct crack_part){0};
         status = send_step(s, m, err);
         if (status == DM2_OK)
             status = get_next(s, m->step, &next, &r, err);
@@ -216,8 +217,17 @@ static enum dm2_status swap_segments(struct session *s, struct step_message *m, 
     else
         status = exchange_take_update(&s->exchange, s->sd, &r, next.n_segments, err);
     s->times.unpack += clock_now() - start - add_engine_times(s);
+    if (next.ends && next.step + 2 < s->config.steps)
+        s->config.steps = next.step + 2; /* the schedule of results follows */
     *asked = next;
     return status;
+}
+
+/* The links that broke in the last evaluation of forces. */
+static struct crack_part cracks_of(struct subdomain *sd)
+{
+    const struct crack_list *list = subdomain_cracks(sd);
+    return (struct crack_part){.n = list->n, .items = list->items};
 }
 
 static enum dm2_status run_step(struct session *s, int64_t n, struct next_message *asked,
@@ -243,6 +253,7 @@ static enum dm2_status run_step(struct session *s, int64_t n, struct next_messag
     if (status == DM2_OK && m.surveyed)
         subdomain_survey(s->sd, &m.spread);
     m.hashed = every > 0 && (m.step % every == 0 || m.step == s->config.steps);
+    m.cracks = cracks_of(s->sd);
     server_beat(s);
     if (status == DM2_OK && m.hashed)
         status = state_hash_subdomain(s->sd, &m.hash, err);
@@ -283,6 +294,7 @@ enum dm2_status server_send_done(struct session *s, struct dm2_error *err)
         status = subdomain_measure_last(s->sd, &done.measures, err);
     if (status != DM2_OK)
         return status;
+    done.cracks = cracks_of(s->sd);
     done.times = s->times;
     done.times.messages_in = s->channel.frames_in;
     done.times.messages_out = s->channel.frames_out;

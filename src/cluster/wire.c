@@ -66,6 +66,29 @@ void wire_get_pair(struct bytes_reader *r, const struct record_limits *limits, s
     fail_unless(r, record_pair_valid(out, limits, NULL));
 }
 
+void wire_put_crack(struct bytes_writer *w, const struct crack *c)
+{
+    bytes_put_u32(w, c->id_a);
+    bytes_put_u32(w, c->id_b);
+    bytes_put_f64s(w, c->r, 2);
+    bytes_put_f64(w, c->energy);
+    bytes_put_u8(w, c->mode);
+    bytes_put_u8(w, c->grains);
+}
+
+void wire_get_crack(struct bytes_reader *r, uint64_t elements, struct crack *out)
+{
+    out->id_a = bytes_get_u32(r);
+    out->id_b = bytes_get_u32(r);
+    out->r[0] = get_finite(r);
+    out->r[1] = get_finite(r);
+    out->energy = get_finite(r);
+    out->mode = bytes_get_u8(r);
+    out->grains = bytes_get_u8(r);
+    fail_unless(r, out->id_a < out->id_b && out->id_b < elements);
+    fail_unless(r, out->mode < CRACK_MODES && (out->grains == 1 || out->grains == 2));
+}
+
 void wire_put_measured(struct bytes_writer *w, const struct element_measure *m)
 {
     bytes_put_f64s(w, m->stress, 3);

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "dm2/base/simd.h"
+#include "crack_note.h"
 #include "pair_pass.h"
 
 /* --- near pairs --- */
@@ -143,8 +144,11 @@ DM2_INLINE void evaluate_pair(struct pass *pass, struct lists *l, uint32_t i, ui
         view.p_j = p->p[j];
     }
     struct pair_state state = {.linked = l->linked[k], .stretch = l->stretch[k], .spring = l->spring[k]};
+    const struct pair_state before = state;
     struct pair_effect effect;
     pair_interact(law, &view, pass->dt_kick, pass->dt_path, &state, &effect);
+    if (before.linked && !state.linked && !pass->plain)
+        crack_note(pass, &l->cracks, i, j, law, distance, &before, effect.heat);
     l->linked[k] = state.linked;
     l->stretch[k] = state.stretch;
     l->spring[k] = state.spring;
@@ -425,6 +429,7 @@ void force_ahead(struct pass *pass, const struct model *m, struct particles *p, 
     start_check(pass, lists);
     pass->ahead = true;
     clear_sums(pass);
+    lists->cracks.n = 0;
     pass->part = PART_INSIDE;
     if (m->has_far)
         far_evaluate(pass, lists);
@@ -436,6 +441,8 @@ void force_drop(struct pass *pass, struct lists *lists)
 {
     if (pass->ahead && pass->m->has_near)
         lists_restore_memory(lists, pass->m->has_spin);
+    if (pass->ahead)
+        lists->cracks.n = 0;
     end_check(pass);
     pass->ahead = false;
 }
@@ -443,6 +450,8 @@ void force_drop(struct pass *pass, struct lists *lists)
 enum dm2_status force_rest(struct pass *pass, struct lists *lists, int64_t step, struct dm2_error *err)
 {
     const struct particles *p = pass->p;
+    if (!pass->ahead)
+        lists->cracks.n = 0;
     if (p->n == 0)
         return DM2_OK; /* the arrays may be NULL */
     if (!pass->ahead)

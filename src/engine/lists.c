@@ -470,6 +470,7 @@ void lists_free(struct lists *l)
     free(l->carried_own);
     free(l->kept);
     free(l->rows);
+    crack_list_free(&l->cracks);
     *l = (struct lists){0};
 }
 

@@ -12,6 +12,7 @@
 #include <stdint.h>
 
 #include "dm2/base/status.h"
+#include "dm2/engine/crack.h"
 #include "dm2/engine/overlap.h"
 #include "bins.h"
 #include "cells.h"
@@ -44,6 +45,7 @@ struct lists {
     double *kept; /* lists_keep_memory, of the near pairs of PART_INSIDE: spring (with `springs`), stretch,
                      linked */
     size_t kept_cap;
+    struct crack_list cracks; /* of the last evaluation, or of the one under way */
     struct overlap overlap; /* of the initial build: pairs of this subdomain, each counted by the owner of its
                                lower id */
 };

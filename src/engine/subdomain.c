@@ -207,6 +207,7 @@ const struct overlap *subdomain_overlap(const struct subdomain *sd)
 size_t subdomain_bytes(const struct subdomain *sd)
 {
     size_t bytes = sizeof *sd + particles_bytes(&sd->p) + lists_bytes(&sd->lists) +
+                   sd->lists.cracks.cap * sizeof *sd->lists.cracks.items +
                    cells_bytes(&sd->cells, &sd->map) + sd->cell_cap * sizeof *sd->cell_of +
                    sd->ids.slots * 8 + sd->from.cap + sd->moved.cap + sd->old_id.cap + sd->anchors.cap +
                    sd->spreads.cap + bins_bytes(&sd->anchor_bins) +
@@ -307,6 +308,11 @@ enum dm2_status subdomain_move(struct subdomain *sd, double *dmax, struct measur
 enum dm2_status subdomain_measure_last(struct subdomain *sd, struct measures *out, struct dm2_error *err)
 {
     return integrate_motion(sd, false, NULL, out, err);
+}
+
+struct crack_list *subdomain_cracks(struct subdomain *sd)
+{
+    return &sd->lists.cracks;
 }
 
 enum dm2_status subdomain_profile(const struct subdomain *sd, size_t which, struct profile_bin *bins,

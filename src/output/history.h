@@ -16,9 +16,10 @@
 #include "energy_book.h"
 #include "fragments.h"
 
-/* The tables of one run; zeroed: none is open. fragments.csv is opened with its first row. */
+/* The tables of one run; zeroed: none is open. fragments.csv and cracks.csv (cracks.h) are opened with their
+ * first rows. */
 struct history_tables {
-    struct file_out history, fragments;
+    struct file_out history, fragments, cracks;
     struct file_out profiles[PROFILE_MAX]; /* as in the config */
 };
 

@@ -16,6 +16,7 @@
 #include "dm2/base/text.h"
 #include "dm2/output/run_directory.h"
 #include "dm2/output/state.h"
+#include "cracks.h"
 #include "energy_book.h"
 #include "fragments.h"
 #include "history.h"
@@ -34,7 +35,7 @@ struct results {
     struct energy_book book; /* of the rows of tables.history */
     bool made_final;         /* final.dm2, by this run */
     /* The newest steps that are written; -1: none. */
-    int64_t history_step, snapshot_step, profile_step[PROFILE_MAX], checkpoint_step;
+    int64_t history_step, snapshot_step, profile_step[PROFILE_MAX], crack_step, checkpoint_step;
     struct snapshot_steps series; /* the snapshots that are written, for series.pvd */
 };
 
@@ -107,6 +108,24 @@ enum dm2_status results_profile(struct results *r, size_t which, int64_t step, c
         return DM2_OK;
     r->profile_step[which] = step;
     return history_put_profile(&r->tables.profiles[which], r->config, &r->scales, which, step, bins, err);
+}
+
+enum dm2_status results_cracks(struct results *r, int64_t step, struct crack_list *list,
+                               struct dm2_error *err)
+{
+    struct file_out *f = &r->tables.cracks;
+    if (step <= r->crack_step || list->n == 0)
+        return DM2_OK;
+    r->crack_step = step;
+    if (f->path == NULL) {
+        char *path = text_join(r->directory, "/", cracks_table);
+        enum dm2_status status = path == NULL ? run_directory_no_memory(err) : file_create(f, path, err);
+        free(path);
+        if (status != DM2_OK)
+            return status;
+        cracks_put_heading(f);
+    }
+    return cracks_put(f, r->config, step, list, err);
 }
 
 /* --- states --- */
@@ -257,7 +276,7 @@ static enum dm2_status create_results(const char *directory, const struct config
         return run_directory_no_memory(err);
     r->config = config;
     r->scales = scales;
-    r->history_step = r->snapshot_step = r->checkpoint_step = -1;
+    r->history_step = r->snapshot_step = r->crack_step = r->checkpoint_step = -1;
     for (size_t k = 0; k < PROFILE_MAX; k++)
         r->profile_step[k] = -1;
     r->origin = origin;
@@ -336,7 +355,7 @@ enum dm2_status results_continue(const char *directory, bool overwrite, const ch
         status = replay_book(r, err);
     if (status == DM2_OK)
         status = resume_series(r->directory, config, step, &r->series, err);
-    r->history_step = r->snapshot_step = step - 1;
+    r->history_step = r->snapshot_step = r->crack_step = step - 1;
     for (size_t k = 0; k < PROFILE_MAX; k++)
         r->profile_step[k] = step - 1;
     if (status != DM2_OK) {
@@ -361,6 +380,8 @@ static enum dm2_status sync_tables(struct results *r, struct dm2_error *err)
         status = file_sync(&r->tables.profiles[k], err);
     if (status == DM2_OK && r->tables.fragments.path != NULL)
         status = file_sync(&r->tables.fragments, err);
+    if (status == DM2_OK && r->tables.cracks.path != NULL)
+        status = file_sync(&r->tables.cracks, err);
     return status;
 }
 
@@ -395,6 +416,8 @@ enum dm2_status results_close(struct results *r, struct dm2_error *err)
         status = file_commit(&r->tables.profiles[k], err);
     if (status == DM2_OK && r->tables.fragments.path != NULL)
         status = file_commit(&r->tables.fragments, err);
+    if (status == DM2_OK && r->tables.cracks.path != NULL)
+        status = file_commit(&r->tables.cracks, err);
     if (status == DM2_OK)
         status = file_commit(&r->tables.history, err);
     if (status != DM2_OK)
@@ -411,6 +434,7 @@ void results_abort(struct results *r)
     void (*leave)(struct file_out *) = r->checkpoint_step >= 0 ? file_suspend : file_abandon;
     leave(&r->tables.history);
     leave(&r->tables.fragments);
+    leave(&r->tables.cracks);
     for (size_t k = 0; k < PROFILE_MAX; k++)
         leave(&r->tables.profiles[k]);
     char *snapshots = text_join(r->directory, "/", run_directory_snapshots);

@@ -16,6 +16,7 @@
 #include "dm2/base/text.h"
 #include "dm2/deck/schedule.h"
 #include "dm2/output/run_directory.h"
+#include "cracks.h"
 
 /* --- which rows are kept --- */
 
@@ -141,6 +142,8 @@ enum dm2_status resume_tables(const char *directory, const char *source, const s
     plan = (struct resume_plan){.due = snapshot_due, .context = c, .rows = 1, .step = step};
     if (status == DM2_OK && fragments)
         status = continue_table(directory, source, in_place, "fragments.csv", &plan, &tables->fragments, err);
+    if (status == DM2_OK)
+        status = cracks_resume(directory, source, step, in_place, &tables->cracks, err);
     return status;
 }
 

@@ -16,7 +16,7 @@ const char run_directory_snapshots[] = "snapshots";
 const char run_directory_series[] = "series.pvd";
 
 static const char *const known_files[] = {
-    "history.csv", "fragments.csv",  "final.dm2",           "run.log",
+    "history.csv", "fragments.csv",  "cracks.csv",          "final.dm2",          "run.log",
     "timing.csv",  "checkpoint.dm2", "checkpoint.prev.dm2", "checkpoint.next.dm2"};
 
 enum dm2_status run_directory_no_memory(struct dm2_error *err)

@@ -110,6 +110,7 @@ struct assign_message {
     int64_t hash_every;         /* 0: never */
     bool rebuild_first;         /* the first step ends with a rebuild */
     bool copy_first;            /* the server sends the state with the first step */
+    int64_t end;   /* the last step: the deck's, or an earlier one, where a block `stop` has ended the run */
     int64_t start; /* the step to start from, whose state follows in STATE messages; -1: generate */
 };
 
@@ -119,16 +120,24 @@ struct ready_message {
     struct overlap overlap;
 };
 
+/* The links that broke, of a STEP or a DONE message. */
+struct crack_part {
+    size_t n;
+    const struct crack *items;  /* [n] to be sent; borrowed */
+    const unsigned char *bytes; /* [n][WIRE_CRACK] of a message that came, in its payload */
+};
+
 struct step_message {
-    int64_t step;      /* of the state after this step, to which the segments belong */
-    bool rebuild;      /* segments are parcels, not updates */
-    uint64_t owned;    /* elements owned after the step, before the exchange */
-    uint64_t migrants; /* of `owned`: elements that leave in the segments */
-    double dmax;       /* greatest displacement in this step, cm */
-    double busy;       /* seconds of work since the last NEXT */
-    bool measured;     /* `measures` is there, of the state step - 1 */
-    bool hashed;       /* `hash` is there */
-    bool surveyed;     /* `spread` is there */
+    int64_t step;             /* of the state after this step, to which the segments belong */
+    bool rebuild;             /* segments are parcels, not updates */
+    uint64_t owned;           /* elements owned after the step, before the exchange */
+    uint64_t migrants;        /* of `owned`: elements that leave in the segments */
+    double dmax;              /* greatest displacement in this step, cm */
+    double busy;              /* seconds of work since the last NEXT */
+    bool measured;            /* `measures` is there, of the state step - 1 */
+    bool hashed;              /* `hash` is there */
+    bool surveyed;            /* `spread` is there */
+    struct crack_part cracks; /* of the evaluation of the state step - 1 */
     struct spread spread;
     struct measures measures;
     uint64_t hash; /* of the server's part of the state `step` */
@@ -141,6 +150,7 @@ struct next_message {
     bool rebuild_next; /* the next step ends with a rebuild */
     bool copy_next;    /* the server sends the state with the next step */
     bool survey_next;  /* the server sends its spread with the next step */
+    bool ends;         /* the run ends two steps later */
     uint32_t n_segments;
 };
 
@@ -175,6 +185,7 @@ struct profile_message {
 
 struct done_message {
     struct measures measures; /* of the last state */
+    struct crack_part cracks; /* of its evaluation */
     struct server_times times;
 };
 

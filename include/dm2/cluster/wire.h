@@ -19,6 +19,7 @@ enum {
     WIRE_MIRROR = RECORD_MIRROR_BYTES, /* a mirrored element */
     WIRE_ELEMENT = RECORD_BYTES,       /* an element with the fields of its owner */
     WIRE_PAIR = 25,                    /* a struct pair_record */
+    WIRE_CRACK = 34,                   /* a struct crack */
     WIRE_MEASURED = 56,                /* a struct element_measure */
     WIRE_MEASURES = 330,               /* the measures without their probes */
     WIRE_BIN = 8 + 8 * 16              /* a struct profile_bin */
@@ -38,6 +39,10 @@ void wire_get_element(struct bytes_reader *r, const struct record_limits *limits
 /* The memory of a pair. */
 void wire_put_pair(struct bytes_writer *w, const struct pair_record *p);
 void wire_get_pair(struct bytes_reader *r, const struct record_limits *limits, struct pair_record *out);
+
+/* A broken link. elements: of the whole run, more than any id. */
+void wire_put_crack(struct bytes_writer *w, const struct crack *c);
+void wire_get_crack(struct bytes_reader *r, uint64_t elements, struct crack *out);
 
 void wire_put_measured(struct bytes_writer *w, const struct element_measure *m);
 void wire_get_measured(struct bytes_reader *r, struct element_measure *out);

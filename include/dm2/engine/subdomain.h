@@ -27,6 +27,7 @@
 #include <stdint.h>
 
 #include "dm2/base/status.h"
+#include "dm2/engine/crack.h"
 #include "dm2/engine/domain_map.h"
 #include "dm2/engine/element.h"
 #include "dm2/engine/measures.h"
@@ -91,6 +92,10 @@ void subdomain_survey(struct subdomain *sd, struct spread *out);
 /* The measures as of subdomain_move, without a move: for the last state of a run. Afterwards only
  * subdomain_collect and subdomain_free may be called. */
 enum dm2_status subdomain_measure_last(struct subdomain *sd, struct measures *out, struct dm2_error *err);
+
+/* The links that broke in the last subdomain_forces, each of the pairs whose lower id is owned, in any order.
+ * Borrowed; valid until the next subdomain_forces or subdomain_forces_ahead. Sorting the list is allowed. */
+struct crack_list *subdomain_cracks(struct subdomain *sd);
 
 /* Adds the owned elements to the bins of the deck's profile `which`. To be called after
  * subdomain_forces(measure) and before the move. DM2_NUMERIC: a value is beyond the range of the sums. */

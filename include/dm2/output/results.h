@@ -3,6 +3,7 @@
  *   history.csv            one row per measured step, units in the heading
  *   profile-NAME.csv       of each profile of the deck, one row per bin and measured step (engine/profile.h)
  *   fragments.csv          one row per snapshot: the number of fragments (output/fragments.h)
+ *   cracks.csv             one row per link that broke (dm2/engine/crack.h); absent where none broke
  *   final.dm2              the state after the last step (dm2/output/state.h)
  *   checkpoint.dm2         the newest checkpoint, a state as well; checkpoint.prev.dm2 is the one before
  *   snapshots/state-*.vtp  states at the steps that the deck names, with series.pvd (ParaView), and/or
@@ -11,7 +12,7 @@
  *
  * Every file is written under a temporary name (its own with ".part" at the end), brought to disk and
  * renamed, so a file under its final name is always whole. The tables that grow with the run, history.csv,
- * profile-NAME.csv and fragments.csv, get their final names in results_close only: a run that ends early
+ * profile-NAME.csv, fragments.csv and cracks.csv, get their final names in results_close only: a run that ends early
  * leaves neither a history nor a final state, only the snapshots that it completed. A run that has written a
  * checkpoint leaves its tables under their temporary names as well. They are on disk up to the checkpoint's
  * step before the checkpoint is, and results_continue takes them over. The bytes of all files but run.log and
@@ -29,6 +30,7 @@
 
 #include "dm2/base/status.h"
 #include "dm2/deck/config.h"
+#include "dm2/engine/crack.h"
 #include "dm2/engine/element.h"
 #include "dm2/engine/measures.h"
 #include "dm2/engine/profile.h"
@@ -96,6 +98,11 @@ enum dm2_status results_history(struct results *r, int64_t step, const struct me
 /* Appends the rows of one step to the table of config->profiles[which]; `bins` has one sum per bin. */
 enum dm2_status results_profile(struct results *r, size_t which, int64_t step, const struct profile_bin *bins,
                                 struct dm2_error *err);
+
+/* Appends the links that broke in the evaluation of `step` to cracks.csv, and sorts the list. A step that has
+ * rows, or is before one, is ignored. */
+enum dm2_status results_cracks(struct results *r, int64_t step, struct crack_list *list,
+                               struct dm2_error *err);
 
 /* Writes the state at `step` in each format that the deck asks for, and its fragments to fragments.csv.
  * `elements` in id order, `measured` beside `elements`, `pairs` by (id_a, id_b). Also DM2_NUMERIC where a
