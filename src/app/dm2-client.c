@@ -214,7 +214,7 @@ static enum dm2_status restart_servers(void *context, int ranks, struct endpoint
 }
 
 /* Runs the deck on servers that are up. */
-static enum dm2_status run_on_servers(const struct client_command *c, const struct run *run,
+static enum dm2_status run_on_servers(const struct client_command *c, struct run *run,
                                       const struct decomposition *d, const struct endpoints *servers,
                                       struct local_starter *starter, struct results *results,
                                       struct network_probe *probe, struct run_report *report,
@@ -278,7 +278,7 @@ static enum dm2_status predict_run(const struct client_command *c, const struct 
 }
 
 /* Opens the run directory, runs, and writes the remaining files. */
-static enum dm2_status run_all(const struct client_command *c, const struct run *run,
+static enum dm2_status run_all(const struct client_command *c, struct run *run,
                                const struct decomposition *d, struct endpoints *servers,
                                struct dm2_error *err)
 {

@@ -26,7 +26,7 @@ static const char PROGRAM[] = "dm2-seq";
 struct sequence {
     double cpu; /* processor seconds of all steps */
     const struct run_options *options;
-    const struct run *run;
+    struct run *run;
     struct results *results;
     struct subdomain *sd;
     struct rebuild_plan plan;
@@ -129,7 +129,8 @@ static enum dm2_status rebuild_lists(struct sequence *s, struct dm2_error *err)
     return status;
 }
 
-/* Writes a row of the history, and the warning that follows from the row. */
+/* Writes a row of the history, and the warning that follows from the row. Where the row ends the run by a
+ * block `stop`, the config gets the last step. */
 static enum dm2_status write_row(struct sequence *s, int64_t n, const struct measures *m,
                                  struct dm2_error *err)
 {
@@ -137,6 +138,9 @@ static enum dm2_status write_row(struct sequence *s, int64_t n, const struct mea
     enum dm2_status status = results_history(s->results, n, m, err);
     if (status == DM2_OK && results_warns(s->results, line) && !s->options->quiet)
         (void)fprintf(stderr, "%s: %s\n", PROGRAM, line);
+    int64_t end;
+    if (status == DM2_OK && results_stopped(s->results, &end) && end < s->run->config.steps)
+        s->run->config.steps = end;
     return status;
 }
 
@@ -202,19 +206,19 @@ static enum dm2_status run_steps(struct sequence *s, int cancel, struct dm2_erro
 {
     struct progress progress;
     struct pollfd signal = {.fd = cancel, .events = POLLIN};
-    int64_t steps = s->run->config.steps;
+    const struct config *c = &s->run->config;
     enum dm2_status status = print_hash(s, err);
     double cpu = clock_cpu();
-    progress_start(&progress, s->options->progress, steps, model_elements(s->run->model));
-    while (status == DM2_OK && subdomain_step(s->sd) < steps) {
+    progress_start(&progress, s->options->progress, c->steps, model_elements(s->run->model));
+    while (status == DM2_OK && subdomain_step(s->sd) < c->steps) {
         status = take_step(s, err);
         if (status == DM2_OK)
             status = print_hash(s, err);
         bool asked = cancel >= 0 && poll(&signal, 1, 0) > 0;
         int64_t n = subdomain_step(s->sd);
-        if (status == DM2_OK && ((asked && n < steps) || schedule_checkpoint(&s->run->config, s->every, n)))
+        if (status == DM2_OK && ((asked && n < c->steps) || schedule_checkpoint(c, s->every, n)))
             status = write_state(s, CHECKPOINT, err);
-        if (status == DM2_OK && asked && n < steps)
+        if (status == DM2_OK && asked && n < c->steps)
             status = dm2_fail(err, DM2_INTERRUPTED, "the run was interrupted by a signal at step %lld",
                               (long long)n);
         if (status == DM2_OK)

@@ -256,7 +256,7 @@ static enum dm2_status promote_checkpoint(const char *restart, const char *direc
     return status;
 }
 
-enum dm2_status run_open_results(const struct run_options *o, const struct run *run, struct results **out,
+enum dm2_status run_open_results(const struct run_options *o, struct run *run, struct results **out,
                                  struct dm2_error *err)
 {
     char *own = NULL;
@@ -276,6 +276,9 @@ enum dm2_status run_open_results(const struct run_options *o, const struct run *
         status = results_open(directory, o->overwrite, &run->config, scales, &run->origin, out, err);
     if (status == DM2_OK && results_warning(*out)[0] != '\0')
         (void)fprintf(stderr, "%s: warning: %s: %s\n", o->program, directory, results_warning(*out));
+    int64_t end;
+    if (status == DM2_OK && results_stopped(*out, &end) && end < run->config.steps)
+        run->config.steps = end;
     if (status == DM2_OK && o->restart != NULL && results_checkpoint_step(*out) == run->state.step)
         status = promote_checkpoint(o->restart, own, err);
     free(own);
@@ -480,6 +483,8 @@ void run_print_verdict(const struct run_options *o, const struct results_verdict
         return;
     if (verdict->warning[0] != '\0')
         (void)fprintf(stderr, "%s: %s\n", o->program, verdict->warning);
+    if (verdict->stop[0] != '\0')
+        (void)printf("%s\n", verdict->stop);
     (void)printf("%s\n", verdict->energy);
 }
 

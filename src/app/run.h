@@ -68,9 +68,10 @@ void run_free(struct run *run);
 /* Whether this machine has the memory for the cells of the whole domain: DM2_MEMORY. */
 enum dm2_status run_check_cells(const struct run *run, struct dm2_error *err);
 
-/* Opens the run directory of -o, or the default one: with --restart, the directory of the checkpoint. The
- * errors of results_open and results_continue. */
-enum dm2_status run_open_results(const struct run_options *o, const struct run *run, struct results **out,
+/* Opens the run directory of -o, or the default one: with --restart, the directory of the checkpoint. Where a
+ * block `stop` held at a row before the checkpoint, run->config.steps becomes the step at which the run ends.
+ * The errors of results_open and results_continue. */
+enum dm2_status run_open_results(const struct run_options *o, struct run *run, struct results **out,
                                  struct dm2_error *err);
 
 /* The number of steps between checkpoints of the run; 0: none. */

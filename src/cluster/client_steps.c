@@ -129,8 +129,9 @@ static enum dm2_status send_next(struct client *c, struct next_message m, bool s
 }
 
 /* Decides, routes and sends, which ends one step and starts the next. *rebuild: this exchange was requested
- * as a rebuild; on return: the next exchange is. */
-static enum dm2_status exchange_step(struct client *c, bool *rebuild, const struct step_sum *sum,
+ * as a rebuild; on return: the next exchange is. ends: a block `stop` held at the row of this step, so that
+ * NEXT tells the end of the run. */
+static enum dm2_status exchange_step(struct client *c, bool *rebuild, const struct step_sum *sum, bool ends,
                                      struct dm2_error *err)
 {
     enum dm2_status status = DM2_OK;
@@ -155,8 +156,11 @@ static enum dm2_status exchange_step(struct client *c, bool *rebuild, const stru
     c->survey = !last && rebuild_plan_survey(&c->plan);
     double start = clock_now();
     c->copy_due = course_wants_copy(c->course, c->job, c->talk.at + 1);
-    const struct next_message next = {
-        .step = c->talk.at, .rebuild_next = *rebuild, .copy_next = c->copy_due, .survey_next = c->survey};
+    const struct next_message next = {.step = c->talk.at,
+                                      .rebuild_next = *rebuild,
+                                      .copy_next = c->copy_due,
+                                      .survey_next = c->survey,
+                                      .ends = ends};
     status = send_next(c, next, true, err);
     c->course->report.relay += clock_now() - start;
     return status;
@@ -169,6 +173,20 @@ static enum dm2_status write_row(struct client *c, int64_t n, const struct measu
     enum dm2_status status = results_history(c->job->results, n, m, err);
     if (status == DM2_OK && results_warns(c->job->results, line))
         course_tell_user(c->options, line);
+    return status;
+}
+
+/* Writes the row of step n where the deck has blocks `stop`. *ends: the row has ended the run, whose last
+ * step is now that of the config. */
+static enum dm2_status watch_row(struct client *c, int64_t n, const struct measures *m, bool *ends,
+                                 struct dm2_error *err)
+{
+    int64_t end;
+    struct config *config = c->job->config;
+    enum dm2_status status = write_row(c, n, m, err);
+    *ends = status == DM2_OK && results_stopped(c->job->results, &end) && end < config->steps;
+    if (*ends)
+        config->steps = end;
     return status;
 }
 
@@ -193,8 +211,11 @@ static enum dm2_status run_step(struct client *c, int64_t n, bool *rebuild, stru
         status = sum_steps(c, *rebuild, schedule_measure(config, n), hashed, c->survey, &sum, err);
     if (status == DM2_OK && n == 0) /* the history has a row of step 0 */
         status = model_check_start(c->job->model, &sum.measures, err);
+    bool ends = false, watched = history && config->n_stops > 0;
+    if (status == DM2_OK && watched)
+        status = watch_row(c, n, &sum.measures, &ends, err);
     if (status == DM2_OK)
-        status = exchange_step(c, rebuild, &sum, err);
+        status = exchange_step(c, rebuild, &sum, ends, err);
     if (status != DM2_OK)
         return status;
     double sent = clock_now();
@@ -202,7 +223,7 @@ static enum dm2_status run_step(struct client *c, int64_t n, bool *rebuild, stru
         c->course->report.stepping += sent - start;
         c->course->report.timed++;
     }
-    if (history)
+    if (history && !watched)
         status = write_row(c, n, &sum.measures, err);
     if (status == DM2_OK)
         status = results_cracks(c->job->results, n, &c->cracks, err);

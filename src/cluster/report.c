@@ -74,6 +74,8 @@ static void add_log(struct bytes_writer *w, const struct run_report *r, const st
             1e-6 * (double)s->bytes, s->owned > 0 ? (double)s->bytes / (double)s->owned : 0.0, t->forces,
             t->ahead, t->integrate, t->rebuild, t->pack, t->wait, t->unpack);
     }
+    if (verdict->stop[0] != '\0')
+        add_text(w, "%s\n", verdict->stop);
     if (verdict->warning[0] != '\0')
         add_text(w, "%s\n", verdict->warning);
     add_text(w, "%s\n", verdict->energy);

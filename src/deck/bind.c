@@ -89,6 +89,7 @@ static bool check_head(struct deck_binding *b, size_t block)
     bool ok = schema->single                   ? n == 0
               : b->kinds[block] == BLOCK_PHASE ? n == 2
               : kind_is_named(b->kinds[block]) ? n == 1
+              : b->kinds[block] == BLOCK_STOP  ? n == 0
                                                : n == extra || n == extra + 2;
     struct place_text text;
     if (!ok) {
@@ -344,6 +345,8 @@ static const struct deck_things things[BLOCK_COUNT] = {
                      offsetof(struct config, n_probes), &initial_probe, finish_probe},
     [BLOCK_PROFILE] = {PROFILE_MAX, sizeof(struct profile_config), offsetof(struct config, profiles),
                        offsetof(struct config, n_profiles), NULL, finish_profile},
+    [BLOCK_STOP] = {STOP_MAX, sizeof(struct stop_config), offsetof(struct config, stops),
+                    offsetof(struct config, n_stops), NULL, NULL},
 };
 
 const struct deck_things *binding_things(enum block_kind kind)
@@ -371,7 +374,7 @@ static bool bind_things(struct deck_binding *b, enum block_kind kind)
         if (thing->finish != NULL)
             thing->finish(b, blocks[i], item);
     }
-    return n == 0 || name_things(b, blocks, n, items, thing->size);
+    return n == 0 || !kind_is_named(kind) || name_things(b, blocks, n, items, thing->size);
 }
 
 /* --- phases --- */
@@ -560,7 +563,7 @@ bool deck_bind(struct deck_binding *b, int64_t steps)
     if (steps >= 0)
         c->steps = steps;
     /* The domain and the time are bound by now; finish_profile takes defaults from them. */
-    ok = bind_things(b, BLOCK_PROFILE) && ok;
+    ok = bind_things(b, BLOCK_PROFILE) && bind_things(b, BLOCK_STOP) && ok;
     if (c->output.history_every < 0)
         c->output.history_every = c->steps / 200 > 150 ? c->steps / 200 : 150;
     b->findings->no_memory |= !ok;

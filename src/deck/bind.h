@@ -10,7 +10,7 @@
 #include "tree.h"
 
 enum { MATERIAL_MAX = 256, BODY_MAX = 65535, RULE_MAX = 1000, VOID_MAX = 10000, FLAW_MAX = 10000 };
-enum { PHASE_MAX = 256, REACTION_MAX = 1 };
+enum { PHASE_MAX = 256, REACTION_MAX = 1, STOP_MAX = 16 };
 
 struct deck_binding {
     struct deck_tree *tree;
@@ -23,8 +23,8 @@ struct deck_binding {
                                     kind; of config->rules: blocks[BLOCK_INTERACTION] */
 };
 
-/* The blocks of one kind, each of which fills one item of an array of the config. An item begins with its
- * name. `finish` sets the defaults that depend on other values. */
+/* The blocks of one kind, each of which fills one item of an array of the config. An item of a kind that is
+ * named begins with its name. `finish` sets the defaults that depend on other values. */
 struct deck_things {
     size_t most, size;   /* the most items of a deck; bytes of an item */
     size_t items, count; /* offsets in struct config: the array, the number of its items */

@@ -54,6 +54,20 @@ static void check_profiles(const struct deck_binding *b)
     }
 }
 
+static void check_stops(const struct deck_binding *b)
+{
+    static const char *const conditions[] = {"unbalanced", "kinetic", "probe"};
+    for (size_t i = 0; i < b->config->n_stops; i++) {
+        size_t block = b->blocks[BLOCK_STOP][i];
+        bool missing = true;
+        for (size_t k = 0; k < sizeof conditions / sizeof conditions[0]; k++)
+            missing = missing && binding_missing(b, block, conditions[k]);
+        if (missing)
+            findings_error(b->findings, binding_place(b, block, "unbalanced", 0),
+                           "the block 'stop' lacks a condition: unbalanced, kinetic or probe");
+    }
+}
+
 bool deck_check(const struct deck_binding *b)
 {
     check_domain(b);
@@ -61,6 +75,7 @@ bool deck_check(const struct deck_binding *b)
     check_chemistry(b);
     check_output(b);
     check_profiles(b);
+    check_stops(b);
     check_walls(b);
     check_loads(b);
     return check_bodies(b);

@@ -144,6 +144,7 @@ void config_free(struct config *c)
     free(c->bodies);
     free(c->probes);
     free(c->profiles);
+    free(c->stops);
     free(c->voids);
     free(c->flaws);
     free(c->rules);

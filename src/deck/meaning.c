@@ -150,6 +150,14 @@ static bool put_set(struct writer *w, const struct deck_key *key, uint32_t set)
     return set != 0;
 }
 
+static bool put_limit(struct writer *w, const struct stop_config *stop)
+{
+    (void)put_word(w, stop->column);
+    (void)put_word(w, stop->above ? "above" : "below");
+    (void)put_number(w, stop->value);
+    return *stop->column != '\0';
+}
+
 /* Writes the value of a keyword of the struct `base`. False: the value is unset. */
 static bool put_value(struct writer *w, const struct deck_key *key, const void *base)
 {
@@ -186,6 +194,8 @@ static bool put_value(struct writer *w, const struct deck_key *key, const void *
         return false;
     case VALUE_SET:
         return put_set(w, key, *(const uint32_t *)at);
+    case VALUE_LIMIT:
+        return put_limit(w, base);
     case VALUE_STEPS:
         return put_steps(w, &w->config->output);
     case VALUE_FORMATS:
@@ -355,6 +365,8 @@ static void put_deck(struct writer *w)
     put_things(w, BLOCK_FLAW, false);
     put_things(w, BLOCK_PROBE, true);
     put_things(w, BLOCK_PROFILE, false);
+    for (size_t k = 0; k < c->n_stops; k++)
+        put_item(w, BLOCK_STOP, "stop", &c->stops[k], UINT32_MAX);
     put_item(w, BLOCK_OUTPUT, "output", c, UINT32_MAX);
 }
 

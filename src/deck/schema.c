@@ -37,8 +37,9 @@ static const struct deck_key domain_keys[] = {
      .offset = offsetof(struct config, gravity), .meaning = "a constant acceleration of every element"},
     {"damping", VALUE_REAL, 1, PLAIN, .low = 0, .high = 1, .high_open = true, .initial = "0",
      .offset = offsetof(struct config, damping),
-     .meaning = "alpha of local damping, for bodies that shall come to rest: what drives a free element on is "
-                "made smaller by this share, what slows it down larger"},
+     .meaning =
+         "alpha of local damping, for bodies that shall come to rest: what drives a free element on is "
+         "made smaller by this share, what slows it down larger"},
 };
 
 static const struct deck_key time_keys[] = {
@@ -297,6 +298,20 @@ static const struct deck_key profile_keys[] = {
 };
 #undef FIELD
 
+#define FIELD(f) .offset = offsetof(struct stop_config, f)
+static const struct deck_key stop_keys[] = {
+    {"unbalanced", VALUE_REAL, 1, PLAIN, POSITIVE, .initial = "none", FIELD(unbalanced), .part = PART_LOOKS,
+     .meaning = "holds where `unbalanced` of history.csv is below this"},
+    {"kinetic", VALUE_REAL, 1, ENERGY, POSITIVE, .initial = "none", FIELD(kinetic), .part = PART_LOOKS,
+     .meaning = "holds where the kinetic energy is below this"},
+    {"probe", VALUE_LIMIT, 1, PLAIN, ANY, .initial = "none", FIELD(column), .part = PART_LOOKS,
+     .meaning =
+         "`NAME vx above 0.01`: holds where this quantity of the probe is `above` or `below` the number"},
+    {"after", VALUE_REAL, 1, TIME, NOT_NEGATIVE, .initial = "0", FIELD(after), .part = PART_LOOKS,
+     .meaning = "the block ends the run once its conditions have held at all rows of this time"},
+};
+#undef FIELD
+
 #define FIELD(f) .offset = offsetof(struct config, output.f)
 static const struct deck_key output_keys[] = {
     {"history_every", VALUE_WHOLE, 1, PLAIN, .low = 1, .high = HUGE_VAL, .initial = "steps/200, at least 150",
@@ -330,6 +345,7 @@ static const struct block_schema blocks[BLOCK_COUNT] = {
     [BLOCK_LOAD] = {"load", "a name", false, false, load_keys, LOAD_KEYS},
     [BLOCK_PROBE] = {"probe", "a name", false, false, KEYS(probe_keys)},
     [BLOCK_PROFILE] = {"profile", "a name", false, false, KEYS(profile_keys)},
+    [BLOCK_STOP] = {"stop", "nothing", false, false, KEYS(stop_keys)},
     [BLOCK_OUTPUT] = {"output", "nothing", true, false, KEYS(output_keys)},
 };
 

@@ -24,6 +24,7 @@ enum block_kind {
     BLOCK_LOAD,
     BLOCK_PROBE,
     BLOCK_PROFILE,
+    BLOCK_STOP,
     BLOCK_OUTPUT,
     BLOCK_COUNT
 };
@@ -42,6 +43,7 @@ enum value_type {
     VALUE_FILE,      /* a file name in quotes */
     VALUE_POINTS,    /* pairs of a time and a value of the dimension, stored as a struct load_points */
     VALUE_MIX,       /* names of materials, each with a fraction */
+    VALUE_LIMIT,     /* the name of a probe, one of its quantities, above | below, a number */
     VALUE_STEPS,     /* a list of steps */
     VALUE_SET,       /* a list of words of `choices`, stored as a uint32_t: bit k for the k-th word */
     VALUE_FORMATS    /* a list of vtp, xyz */

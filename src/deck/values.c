@@ -425,6 +425,57 @@ static bool read_material(struct deck_binding *b, const struct deck_key *key, co
     return body->n_mix == 1;
 }
 
+/* --- limits of probes --- */
+
+static const char *probe_name(const void *context, size_t i)
+{
+    return ((const struct config *)context)->probes[i].name;
+}
+
+/* The probe that a value names. NULL: no such probe, a finding was added. */
+static const struct probe_config *find_probe(struct deck_binding *b, struct deck_place name)
+{
+    const char *bytes = place_bytes(b->tree->source, name);
+    for (size_t i = 0; i < b->config->n_probes; i++)
+        if (place_is(b->tree->source, name, b->config->probes[i].name))
+            return &b->config->probes[i];
+    struct word_list known = {probe_name, b->config, b->config->n_probes};
+    struct place_text text;
+    struct word_hint hint;
+    if (!b->tree->incomplete)
+        findings_error(b->findings, name, "there is no probe '%s'%s",
+                       place_text(b->tree->source, name, &text),
+                       words_hint(&known, bytes, name.length, &hint));
+    return NULL;
+}
+
+static bool read_limit(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
+                       struct stop_config *stop)
+{
+    static const struct deck_key quantity = {.name = "probe", .choices = "x|y|vx|vy"};
+    static const struct deck_key side = {.name = "probe", .choices = "below|above"};
+    static const char *const names[] = {"x", "y", "vx", "vy"};
+    struct deck_key number = {.name = key->name, .low = -HUGE_VAL, .high = HUGE_VAL};
+    if (entry->n != 4) {
+        findings_error(b->findings, entry->key,
+                       "'%s' takes the name of a probe, one of its quantities, above or below, and a number: "
+                       "found %zu value%s",
+                       key->name, entry->n, entry->n == 1 ? "" : "s");
+        return false;
+    }
+    const struct probe_config *probe = find_probe(b, word_at(b, entry, 0));
+    int which = read_choice(b, &quantity, word_at(b, entry, 1));
+    int above = read_choice(b, &side, word_at(b, entry, 2));
+    if (probe == NULL || which < 0 || above < 0)
+        return false;
+    number.dim = which < 2 ? (struct dimension){.length = 1} : (struct dimension){.length = 1, .time = -1};
+    if (!read_real(b, &number, entry, 3, &stop->value))
+        return false;
+    stop->above = above == 1;
+    (void)snprintf(stop->column, sizeof stop->column, "%s_%s", probe->name, names[which]);
+    return true;
+}
+
 /* --- output --- */
 
 static int compare_steps(const void *a, const void *b)
@@ -513,6 +564,9 @@ bool value_read(struct deck_binding *b, const struct deck_key *key, struct deck_
         break;
     case VALUE_SET:
         ok = read_set(b, key, entry, at);
+        break;
+    case VALUE_LIMIT:
+        ok = read_limit(b, key, entry, base);
         break;
     case VALUE_STEPS:
         ok = read_steps(b, key, entry, &config->output);

@@ -118,9 +118,8 @@ struct book_row history_book_row(const struct measure_scales *scales, int64_t st
         .compression = m->compression};
 }
 
-enum dm2_status history_put_row(struct file_out *f, const struct config *c,
-                                const struct measure_scales *scales, int64_t step, const struct measures *m,
-                                double drift, struct dm2_error *err)
+void history_put_row(struct file_out *f, const struct config *c, const struct measure_scales *scales,
+                     int64_t step, const struct measures *m, double drift)
 {
     struct exact_sum total = conserved_sum(m);
     const struct exact_sum *energies[] = {&m->kinetic,  &m->potential, &m->elastic, &m->thermal,
@@ -149,7 +148,6 @@ enum dm2_status history_put_row(struct file_out *f, const struct config *c,
     for (size_t p = 0; p < c->n_probes; p++)
         write_probe(f, &c->probes[p], scales, &m->probe[p]);
     file_puts(f, "\n");
-    return file_flush(f, err);
 }
 
 /* --- profile-NAME.csv --- */

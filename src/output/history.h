@@ -26,10 +26,10 @@ struct history_tables {
 /* The heading of history.csv: the columns of every run, then those of each probe. */
 void history_put_heading(struct file_out *f, const struct config *c);
 
-/* The row of one step in history.csv; drift: of the energy book (energy_book.h). */
-enum dm2_status history_put_row(struct file_out *f, const struct config *c,
-                                const struct measure_scales *scales, int64_t step, const struct measures *m,
-                                double drift, struct dm2_error *err);
+/* The row of one step in history.csv, which stays in the buffer of *f until file_flush; drift: of the energy
+ * book (energy_book.h). */
+void history_put_row(struct file_out *f, const struct config *c, const struct measure_scales *scales,
+                     int64_t step, const struct measures *m, double drift);
 
 /* The numbers of this row that the energy book needs. */
 struct book_row history_book_row(const struct measure_scales *scales, int64_t step, const struct measures *m);

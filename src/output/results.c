@@ -23,6 +23,7 @@
 #include "resume.h"
 #include "run_lock.h"
 #include "snapshot.h"
+#include "stop_watch.h"
 
 struct results {
     char *directory;
@@ -33,6 +34,7 @@ struct results {
     const struct state_origin *origin;
     struct history_tables tables;
     struct energy_book book; /* of the rows of tables.history */
+    struct stop_watch stops; /* likewise; not open in a deck without blocks `stop` */
     bool made_final;         /* final.dm2, by this run */
     /* The newest steps that are written; -1: none. */
     int64_t history_step, snapshot_step, profile_step[PROFILE_MAX], crack_step, checkpoint_step;
@@ -83,12 +85,22 @@ enum dm2_status results_history(struct results *r, int64_t step, const struct me
     r->history_step = step;
     struct book_row row = history_book_row(&r->scales, step, m);
     double drift = energy_book_add(&r->book, &row);
-    enum dm2_status status = history_put_row(&r->tables.history, r->config, &r->scales, step, m, drift, err);
+    struct file_out *f = &r->tables.history;
+    history_put_row(f, r->config, &r->scales, step, m, drift);
+    if (r->config->n_stops > 0)
+        stop_watch_row(&r->stops, step, (const char *)f->buffer, f->used);
+    enum dm2_status status = file_flush(f, err);
     if (status == DM2_OK)
         status = energy_book_check(&r->book, r->config->dt, err);
     if (status != DM2_OK)
         remove_final(r);
     return status;
+}
+
+bool results_stopped(const struct results *r, int64_t *end)
+{
+    *end = r->stops.held + STOP_LAG;
+    return r->stops.held >= 0;
 }
 
 bool results_warns(struct results *r, char line[RESULTS_LINE])
@@ -99,6 +111,7 @@ bool results_warns(struct results *r, char line[RESULTS_LINE])
 void results_verdict(const struct results *r, struct results_verdict *out)
 {
     energy_book_verdict(&r->book, r->config->dt, out);
+    stop_watch_describe(&r->stops, out->stop);
 }
 
 enum dm2_status results_profile(struct results *r, size_t which, int64_t step, const struct profile_bin *bins,
@@ -258,6 +271,7 @@ enum dm2_status results_text(struct results *r, const char *name, const char *te
 static void free_results(struct results *r)
 {
     run_lock_release(&r->lock);
+    stop_watch_free(&r->stops);
     free(r->directory);
     free(r->series.items);
     free(r);
@@ -281,6 +295,7 @@ static enum dm2_status create_results(const char *directory, const struct config
         r->profile_step[k] = -1;
     r->origin = origin;
     energy_book_start(&r->book, scales.energy);
+    r->stops.held = -1;
     r->directory = text_join(directory, "", "");
     if (r->directory == NULL) {
         free_results(r);
@@ -288,6 +303,20 @@ static enum dm2_status create_results(const char *directory, const struct config
     }
     *out = r;
     return DM2_OK;
+}
+
+/* Enters the rows of history.csv, those before `step`, which the run continues from. */
+static enum dm2_status replay_rows(struct results *r, int64_t step, struct dm2_error *err)
+{
+    struct csv table;
+    enum dm2_status status = csv_read(r->tables.history.part, &table, err);
+    if (status != DM2_OK)
+        return status;
+    status = energy_book_replay(&r->book, &table, err);
+    if (status == DM2_OK && r->config->n_stops > 0)
+        status = stop_watch_open(&r->stops, r->config, &table, step, err);
+    csv_free(&table);
+    return status;
 }
 
 enum dm2_status results_open(const char *directory, bool overwrite, const struct config *config,
@@ -310,6 +339,8 @@ enum dm2_status results_open(const char *directory, bool overwrite, const struct
         status = file_flush(&r->tables.history, err);
     }
     free(path);
+    if (status == DM2_OK && config->n_stops > 0)
+        status = replay_rows(r, 0, err);
     for (size_t k = 0; status == DM2_OK && k < config->n_profiles; k++)
         status = open_profile(r, k, err);
     if (status != DM2_OK) {
@@ -318,18 +349,6 @@ enum dm2_status results_open(const char *directory, bool overwrite, const struct
     }
     *out = r;
     return DM2_OK;
-}
-
-/* Enters the rows that the history was taken over with. */
-static enum dm2_status replay_book(struct results *r, struct dm2_error *err)
-{
-    struct csv table;
-    enum dm2_status status = csv_read(r->tables.history.part, &table, err);
-    if (status != DM2_OK)
-        return status;
-    status = energy_book_replay(&r->book, &table, err);
-    csv_free(&table);
-    return status;
 }
 
 enum dm2_status results_continue(const char *directory, bool overwrite, const char *source, int64_t step,
@@ -352,7 +371,7 @@ enum dm2_status results_continue(const char *directory, bool overwrite, const ch
     if (status == DM2_OK)
         status = resume_tables(r->directory, source, config, step, in_place, &r->tables, err);
     if (status == DM2_OK)
-        status = replay_book(r, err);
+        status = replay_rows(r, step, err);
     if (status == DM2_OK)
         status = resume_series(r->directory, config, step, &r->series, err);
     r->history_step = r->snapshot_step = r->crack_step = step - 1;

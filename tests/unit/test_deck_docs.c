@@ -54,6 +54,9 @@ static void value_text(const struct deck_key *key, char *out, size_t size)
     case VALUE_MIX:
         (void)snprintf(out, size, "names and numbers");
         break;
+    case VALUE_LIMIT:
+        (void)snprintf(out, size, "names, `above` or `below`, number");
+        break;
     case VALUE_STEPS:
         (void)snprintf(out, size, "whole numbers");
         break;

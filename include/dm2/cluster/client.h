@@ -64,7 +64,7 @@ struct client_options {
 
 struct client_job {
     const struct deck_source *source;
-    const struct config *config;
+    struct config *config; /* of the model; its steps become fewer where a block `stop` ends the run */
     const struct model *model;
     const struct decomposition *decomposition;
     const struct state *start; /* the state to continue from; NULL: the run starts at step 0 */

@@ -216,6 +216,16 @@ struct probe_config {
     uint32_t report; /* default position and velocity, and force of a body */
 };
 
+/* stop { ... }: the run ends when all conditions of one such block hold at a row of history.csv, and have
+ * held at all rows of the last `after`. */
+struct stop_config {
+    double unbalanced, kinetic;       /* hold below these values; kinetic in g cm2/us2; NaN: no condition */
+    char column[2 * NAME_MAX_LENGTH]; /* of a probe, PROBE_QUANTITY in history.csv; "": no condition */
+    bool above;                       /* the column's condition holds above `value`; false: below it */
+    double value;                     /* in base units */
+    double after;                     /* us, default 0 */
+};
+
 enum axis_kind { AXIS_X, AXIS_Y };
 
 /* profile NAME { axis = x|y ... }: means over bins along an axis, in profile-NAME.csv. */
@@ -249,13 +259,15 @@ struct config {
     int64_t steps;
     double gravity[2]; /* body acceleration, cm/us2 */
     double damping;    /* alpha of local damping, 0 <= alpha < 1; 0 by default */
-    size_t n_materials, n_phases, n_reactions, n_bodies, n_probes, n_profiles, n_voids, n_flaws, n_loads;
+    size_t n_materials, n_phases, n_reactions, n_bodies, n_probes, n_profiles, n_voids, n_flaws, n_loads,
+        n_stops;
     struct material_config *materials;
     struct phase_config *phases;       /* in deck order: kind n_materials + i is phase i */
     struct reaction_config *reactions; /* none or one */
     struct body_config *bodies;
     struct probe_config *probes;
     struct profile_config *profiles;
+    struct stop_config *stops;
     struct void_config *voids;
     struct flaw_config *flaws;
     struct load_config *loads;

@@ -12,11 +12,11 @@
  *
  * Every file is written under a temporary name (its own with ".part" at the end), brought to disk and
  * renamed, so a file under its final name is always whole. The tables that grow with the run, history.csv,
- * profile-NAME.csv, fragments.csv and cracks.csv, get their final names in results_close only: a run that ends early
- * leaves neither a history nor a final state, only the snapshots that it completed. A run that has written a
- * checkpoint leaves its tables under their temporary names as well. They are on disk up to the checkpoint's
- * step before the checkpoint is, and results_continue takes them over. The bytes of all files but run.log and
- * timing.csv depend on the deck and the results alone.
+ * profile-NAME.csv, fragments.csv and cracks.csv, get their final names in results_close only: a run that
+ * ends early leaves neither a history nor a final state, only the snapshots that it completed. A run that has
+ * written a checkpoint leaves its tables under their temporary names as well. They are on disk up to the
+ * checkpoint's step before the checkpoint is, and results_continue takes them over. The bytes of all files
+ * but run.log and timing.csv depend on the deck and the results alone.
  *
  * Every function that returns a status: DM2_IO with the path and the system's reason, or DM2_MEMORY. After a
  * failure call results_abort. A full disk is reported as DM2_IO, and so is a file size limit (RLIMIT_FSIZE)
@@ -78,6 +78,7 @@ enum { RESULTS_LINE = 400 };
 struct results_verdict {
     char energy[RESULTS_LINE];  /* "energy: ...": by how much `total` drifted */
     char warning[RESULTS_LINE]; /* "warning: ...", with what to do; empty: none */
+    char stop[RESULTS_LINE];    /* "stop: ...": which block `stop` ended the run; empty: none */
 };
 void results_verdict(const struct results *r, struct results_verdict *out);
 
@@ -85,13 +86,18 @@ void results_verdict(const struct results *r, struct results_verdict *out);
  * results_history. */
 bool results_warns(struct results *r, char line[RESULTS_LINE]);
 
+/* Whether a block `stop` of the deck has held at a row so far, and the step *end at which the run ends then:
+ * the row's step and 3, which may be beyond the run's steps. True from results_continue on where the rows
+ * before the checkpoint decided. */
+bool results_stopped(const struct results *r, int64_t *end);
+
 /* results_history, results_profile and results_snapshot ignore a step that is already in the run directory,
  * because a run that went back to an earlier state repeats such steps with the same numbers.
  *
  * Appends the row of one step to history.csv. The column `total` = kinetic + potential + elastic + thermal +
- * chemical + phase + damped - work is constant under exact integration; the sum is exact until it is rounded once. The
- * column `drift` is the change of `total` over the energies that moved. Also DM2_NUMERIC where the drift is
- * beyond 50 %: then the run ends, and a final.dm2 of this run is removed. */
+ * chemical + phase + damped - work is constant under exact integration; the sum is exact until it is rounded
+ * once. The column `drift` is the change of `total` over the energies that moved. Also DM2_NUMERIC where the
+ * drift is beyond 50 %: then the run ends, and a final.dm2 of this run is removed. */
 enum dm2_status results_history(struct results *r, int64_t step, const struct measures *m,
                                 struct dm2_error *err);
 
