@@ -21,9 +21,9 @@ struct pair_totals {
 
 /* Evaluates every pair at the present positions and the velocities of the half step before: fills far_sum and
  * pair_sum of p and updates the memory of the near pairs; with totals (else NULL) also the virial, links and
- * contacts of each element; lists->cracks has the links that broke. dt_kick and dt_path in us, as in law.h. DM2_NUMERIC: a force or a heat is not
- * finite or beyond the range of the fixed-point sums; names the pair and `step`. DM2_MEMORY: no room to sort
- * the pairs. */
+ * contacts of each element; lists->cracks has the links that broke. dt_kick and dt_path in us, as in law.h.
+ * DM2_NUMERIC: a force or a heat is not finite or beyond the range of the fixed-point sums; names the pair
+ * and `step`. DM2_MEMORY: no room to sort the pairs. */
 enum dm2_status force_evaluate(const struct model *m, struct particles *p, struct lists *lists,
                                double dt_kick, double dt_path, struct pair_totals *totals, int64_t step,
                                struct dm2_error *err);
@@ -31,10 +31,10 @@ enum dm2_status force_evaluate(const struct model *m, struct particles *p, struc
 /* force_evaluate in two halves, for a server. force_ahead evaluates the pairs without mirrored elements as
  * soon as the owned elements have moved, while the new positions of the mirrored elements are still on the
  * way. Then force_rest evaluates the other pairs; or, where the lists must be rebuilt first, force_drop
- * restores the memory of pairs from before force_ahead and drops the cracks. force_ahead does nothing (pass->ahead stays false)
- * where kinds change, where far pairs are measured, or without memory for the copy. Until force_rest or
- * force_drop, `p` (but for its mirrored elements), `lists` and `totals` must not change. Errors of
- * force_rest: those of force_evaluate. */
+ * restores the memory of pairs from before force_ahead and drops the cracks. force_ahead does nothing
+ * (pass->ahead stays false) where kinds change, where far pairs are measured, or without memory for the copy.
+ * Until force_rest or force_drop, `p` (but for its mirrored elements), `lists` and `totals` must not change.
+ * Errors of force_rest: those of force_evaluate. */
 struct pass;
 void force_ahead(struct pass *pass, const struct model *m, struct particles *p, struct lists *lists,
                  double dt_kick, double dt_path, struct pair_totals *totals);

@@ -145,7 +145,7 @@ struct prepared {
     struct decomposition cuts[SERVERS];
 };
 
-static const struct prepared *prepare_run(void)
+static struct prepared *prepare_run(void)
 {
     static struct prepared p;
     static char name[] = "fuzz.dm2", text[sizeof DECK];
@@ -171,7 +171,7 @@ static const struct prepared *prepare_run(void)
 
 static void run_client(const struct client_options *options, int ranks)
 {
-    const struct prepared *p = prepare_run();
+    struct prepared *p = prepare_run();
     const struct state_origin origin = {.next_id = UINT32_MAX, .next_grain = UINT32_MAX};
     const char *directory = getenv("TMPDIR");
     char path[400];

@@ -289,7 +289,7 @@ static inline void engine_check_same(const struct engine_state *got, const struc
                  want->pair[p].id_b, want->pair[p].spring);
 }
 
-/* kinetic + potential + elastic + thermal + chemical + phase - work, which an exact integration
+/* kinetic + potential + elastic + thermal + chemical + phase + damped - work, which an exact integration
  * conserves. */
 static inline double engine_total(const struct engine *g, const struct measures *m)
 {
@@ -300,6 +300,7 @@ static inline double engine_total(const struct engine *g, const struct measures 
     exact_merge(&total, &m->thermal);
     exact_merge(&total, &m->chemical);
     exact_merge(&total, &m->phase);
+    exact_merge(&total, &m->damped);
     exact_merge(&total, &minus); /* ~work is -work less one quantum */
     return exact_value(&total, shift);
 }

@@ -61,8 +61,9 @@ TEST(rows_that_are_read_back)
     struct results_verdict said;
     char line[RESULTS_LINE];
     static const char text[] =
-        "step,kinetic [g],potential,elastic,thermal,chemical,phase,work,total,elements,dt_share,compression\n"
-        "40,1,0,0,0,0,0,0,1,7,0.95,0.12\n50,0.5,0.25,0,0,0,0,0,0.75,7,0.5,0.2\n";
+        "step,kinetic [g],potential,elastic,thermal,chemical,phase,work,total,elements,dt_share,compression,"
+        "damped\n"
+        "40,1,0,0,0,0,0,0,1,7,0.95,0.12,0\n50,0.5,0.25,0,0,0,0,0,0.75,7,0.5,0.2,0\n";
     energy_book_start(&book, 80);
     CHECK_EQ_INT(csv_parse("table", text, strlen(text), &table, &err), DM2_OK);
     CHECK_EQ_INT(energy_book_replay(&book, &table, &err), DM2_OK);

@@ -201,21 +201,22 @@ TEST(history_rows)
         "cm/us],momentum_y [g cm/us],angular_momentum [g "
         "cm2/us],"
         "elements,links,contacts,temperature_max [K],pressure_min [Mbar],pressure_max "
-        "[Mbar],drift,dt_share,compression,unbalanced,coordination,fabric_xx,fabric_yy,fabric_xy,surface_x "
+        "[Mbar],drift,dt_share,compression,unbalanced,coordination,fabric_xx,fabric_yy,fabric_xy,damped [g "
+        "cm2/us2],surface_x "
         "[cm],"
         "surface_y [cm],surface_vx [cm/us],surface_vy [cm/us],spall_x [cm],spall_y [cm],spall_vx [cm/us],"
         "spall_vy [cm/us]\n"
         "40,1,1.25,0.5,0.125,9.313225746154785e-10,2,-0.25,0.0625,3.5625000009313226,-3,0.1,7,1600,4903,16,"
         "311.5,-0."
-        "25,0.75,0,0.375,0.125,0.25,5,0.25,0.75,-0.0625,"
+        "25,0.75,0,0.375,0.125,0.25,5,0.25,0.75,-0.0625,0,"
         "2,0.25,-0.5,0.125,nan,nan,nan,nan\n"
         "50,1.25,3.6625,0,0,0,0,0,0.1,3.5625,0,0,0,0,0,0,0,0,0,-2.5428602719876547e-10,0,0,nan,nan,nan,nan,"
-        "nan,nan,nan,nan,nan,"
+        "nan,0,nan,nan,nan,nan,"
         "nan,"
         "nan,nan,nan\n");
     free(text);
     CHECK_EQ_INT(csv_read(scratch_path("history/history.csv"), &csv, &err), DM2_OK);
-    CHECK_EQ_INT(csv.n_columns, 35);
+    CHECK_EQ_INT(csv.n_columns, 36);
     csv_free(&csv);
     fake_free(&f);
 }
@@ -306,6 +307,8 @@ TEST(overwrite_replaces_only_our_files)
                                        "timing.csv",
                                        "history.csv.part",
                                        "fragments.csv",
+                                       "cracks.csv",
+                                       "cracks.csv.part",
                                        "profile-old.csv",
                                        "profile-x_2.csv.part",
                                        "snapshots/state-000000007.vtp",

@@ -190,6 +190,7 @@ static struct measures some_measures(void)
     m.dt_share = 0.75;
     m.compression = 0.0625;
     (void)exact_add(&m.kinetic, 1.25, 40);
+    (void)exact_add(&m.damped, 0.5, 40);
     (void)exact_add(&m.momentum[1], -3.5, 40);
     m.elements = 17;
     m.pairs = 40;
@@ -211,6 +212,7 @@ static struct measures some_measures(void)
 static void check_measures(const struct measures *in, const struct measures *out)
 {
     CHECK(memcmp(&in->kinetic, &out->kinetic, sizeof in->kinetic) == 0);
+    CHECK(memcmp(&in->damped, &out->damped, sizeof in->damped) == 0);
     CHECK_NEAR(out->dt_share, in->dt_share, 0);
     CHECK_NEAR(out->compression, in->compression, 0);
     CHECK(in->pairs == 40 && in->free_elements == 15 && in->loaded_pairs == 39);
@@ -245,6 +247,46 @@ TEST(measures_of_probes_that_no_deck_has)
     bytes_free(&w);
 }
 
+static const struct crack some_cracks[2] = {
+    {.id_a = 3, .id_b = 9, .r = {0.5, -1.25}, .energy = 2e-7, .mode = CRACK_SHEARED, .grains = 2},
+    {.id_a = 4, .id_b = 5, .r = {0.25, 0.0}, .energy = -1e-9, .mode = CRACK_PULLED, .grains = 1}};
+
+/* Do the bytes of a message that came hold the two cracks? */
+static bool same_cracks(const struct crack_part *part)
+{
+    struct bytes_reader r = bytes_reader_of(part->bytes, part->n * WIRE_CRACK);
+    for (size_t k = 0; k < 2; k++) {
+        struct crack c;
+        const struct crack *want = &some_cracks[k];
+        wire_get_crack(&r, 10, &c);
+        if (c.id_a != want->id_a || c.id_b != want->id_b || c.r[0] != want->r[0] || c.r[1] != want->r[1] ||
+            c.energy != want->energy || c.mode != want->mode || c.grains != want->grains)
+            return false;
+    }
+    return part->n == 2 && bytes_done(&r);
+}
+
+TEST(a_crack_that_cannot_be)
+{
+    const struct crack wrong[] = {{.id_a = 5, .id_b = 5, .grains = 1},
+                                  {.id_a = 5, .id_b = 10, .grains = 1},
+                                  {.id_a = 1, .id_b = 2, .grains = 0},
+                                  {.id_a = 1, .id_b = 2, .grains = 3},
+                                  {.id_a = 1, .id_b = 2, .grains = 1, .mode = CRACK_MODES},
+                                  {.id_a = 1, .id_b = 2, .grains = 1, .r = {NAN, 0}},
+                                  {.id_a = 1, .id_b = 2, .grains = 1, .energy = INFINITY}};
+    for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; k++) {
+        struct bytes_writer w = {0};
+        struct crack c;
+        wire_put_crack(&w, &wrong[k]);
+        CHECK_EQ_INT(w.length, WIRE_CRACK);
+        struct bytes_reader r = bytes_reader_of(w.data, w.length);
+        wire_get_crack(&r, 10, &c);
+        CHECK(r.failed);
+        bytes_free(&w);
+    }
+}
+
 TEST(a_step_message_round_trip)
 {
     struct bytes_writer w = {0};
@@ -262,6 +304,7 @@ TEST(a_step_message_round_trip)
                                           .most = 3.5,
                                           .close = INFINITY},
                                .measures = some_measures(),
+                               .cracks = {.n = 2, .items = some_cracks},
                                .hash = 0xfeedU,
                                .n_segments = 0},
                         in = {0};
@@ -274,6 +317,7 @@ TEST(a_step_message_round_trip)
     CHECK_SAME_BITS(in.dmax, 0.5);
     CHECK(in.surveyed && memcmp(&in.spread, &out.spread, sizeof in.spread) == 0);
     check_measures(&in.measures, &out.measures);
+    CHECK(same_cracks(&in.cracks));
     for (size_t n = 0; n < w.length; n++) {
         r = bytes_reader_of(w.data, n);
         message_get_step(&r, &in);
@@ -289,11 +333,15 @@ TEST(a_step_message_round_trip)
         message_get_step(&r, &in);
         CHECK(r.failed);
     }
-    bytes_clear(&w);
-    out.surveyed = false;
-    out.dmax = NAN;
+    bytes_free(&w);
+}
+
+TEST(a_step_message_without_a_number)
+{
+    struct bytes_writer w = {0};
+    struct step_message out = {.step = 12, .dmax = NAN}, in;
     message_put_step(&w, &out);
-    r = bytes_reader_of(w.data, w.length);
+    struct bytes_reader r = bytes_reader_of(w.data, w.length);
     message_get_step(&r, &in);
     CHECK(r.failed);
     bytes_free(&w);
@@ -405,6 +453,26 @@ TEST(a_ready_message_round_trip)
     bytes_free(&w);
 }
 
+TEST(the_end_of_a_run_in_next)
+{
+    struct bytes_writer w = {0};
+    struct next_message next = {.step = 3, .ends = true}, next_in;
+    message_put_next(&w, &next);
+    CHECK_EQ_INT(w.data[8], 32);
+    struct bytes_reader r = bytes_reader_of(w.data, w.length);
+    message_get_next(&r, &next_in);
+    CHECK(bytes_done(&r) && next_in.ends);
+    w.data[8] |= 1; /* redo */
+    r = bytes_reader_of(w.data, w.length);
+    message_get_next(&r, &next_in);
+    CHECK(r.failed);
+    w.data[8] = 16;
+    r = bytes_reader_of(w.data, w.length);
+    message_get_next(&r, &next_in);
+    CHECK(r.failed);
+    bytes_free(&w);
+}
+
 TEST(the_small_messages)
 {
     struct bytes_writer w = {0};
@@ -420,14 +488,16 @@ TEST(the_small_messages)
     r = bytes_reader_of(w.data, w.length);
     message_get_next(&r, &next_in);
     CHECK(bytes_done(&r) && next_in.redo && !next_in.rebuild_next && next_in.survey_next &&
-          next_in.step == 3);
+          next_in.step == 3 && !next_in.ends);
     bytes_clear(&w);
-    struct done_message done = {.measures = some_measures(), .times = {.forces = 1.5, .bytes_out = 77}},
+    struct done_message done = {.measures = some_measures(),
+                                .cracks = {.n = 2, .items = some_cracks},
+                                .times = {.forces = 1.5, .bytes_out = 77}},
                         done_in;
     message_put_done(&w, &done);
     r = bytes_reader_of(w.data, w.length);
     message_get_done(&r, &done_in);
-    CHECK(!r.failed && done_in.times.bytes_out == 77);
+    CHECK(!r.failed && done_in.times.bytes_out == 77 && same_cracks(&done_in.cracks));
     CHECK_SAME_BITS(done_in.times.forces, 1.5);
     bytes_clear(&w);
     struct error_message error = {.status = DM2_NUMERIC, .text = "bad \033[2J\a"}, error_in;
@@ -551,6 +621,7 @@ TEST(a_profile)
 }
 
 TEST_MAIN(CASE(sizes), CASE(a_parcel_round_trip), CASE(invalid_elements), CASE(invalid_pairs),
+          CASE(a_crack_that_cannot_be), CASE(a_step_message_without_a_number), CASE(the_end_of_a_run_in_next),
           CASE(a_step_message_round_trip), CASE(measures_of_probes_that_no_deck_has),
           CASE(a_deck_message_round_trip), CASE(an_assign_message_round_trip),
           CASE(a_ready_message_round_trip), CASE(the_small_messages), CASE(a_state_is_compiled_from_parts),
