@@ -149,7 +149,10 @@ static enum dm2_status decompose_domain(const struct client_command *c, const st
         counts = mem_zalloc((size_t)g->cx * (size_t)g->cy, sizeof *counts);
         if (counts == NULL)
             return dm2_fail(err, DM2_MEMORY, "no memory for %d x %d cells", g->cx, g->cy);
-        status = model_cell_counts(run->model, counts, err);
+        if (run->restarted)
+            model_count_elements(run->model, run->state.elements, run->state.n_elements, counts);
+        else
+            status = model_cell_counts(run->model, counts, err);
     }
     if (status == DM2_OK)
         status = decomposition_bisect(g, ranks, counts, out, err);

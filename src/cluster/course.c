@@ -131,16 +131,15 @@ bool course_goes_on(const struct course *course, const struct client_options *op
            (status == DM2_NET || status == DM2_TIMEOUT || status == DM2_PROTOCOL);
 }
 
-/* Adds to weights[cells] the elements per cell: of the last copy, else of the generated elements. */
+/* Adds to weights[cells] the elements per cell: of the last copy, else of the job's state, else of the
+ * generated elements. */
 static enum dm2_status count_elements(const struct client_job *job, const struct course *course,
                                       uint32_t *weights, struct dm2_error *err)
 {
-    const struct grid *g = model_grid(job->model);
-    const struct state_merge *m = &course->copy;
-    if (course->copy_step < 0)
+    struct state_view state;
+    if (!course_state(course, job, &state))
         return model_cell_counts(job->model, weights, err);
-    for (size_t k = 0; k < m->n_seen; k++)
-        weights[grid_cell(g, m->elements[k].r[0], m->elements[k].r[1])]++;
+    model_count_elements(job->model, state.elements, state.n_elements, weights);
     return DM2_OK;
 }
 

@@ -296,3 +296,9 @@ enum dm2_status model_cell_counts(const struct model *m, uint32_t *counts, struc
         counts[cell] = 0;
     return generate_elements(m, count_in_cell, &counter, err);
 }
+
+void model_count_elements(const struct model *m, const struct element *elements, size_t n, uint32_t *counts)
+{
+    for (size_t k = 0; k < n; k++)
+        counts[grid_cell(&m->grid, elements[k].r[0], elements[k].r[1])]++;
+}

@@ -74,4 +74,9 @@ struct model_room model_room(const struct model *model);
  * by particles. DM2_MEMORY. */
 enum dm2_status model_cell_counts(const struct model *model, uint32_t *counts, struct dm2_error *err);
 
+/* Adds n elements to counts[cx * cy] of the cells in which they are, the weights for a run that goes on. */
+struct element;
+void model_count_elements(const struct model *model, const struct element *elements, size_t n,
+                          uint32_t *counts);
+
 #endif
