@@ -115,8 +115,13 @@ static void check_ends(const struct deck_binding *b, size_t i)
 static void check_force_alone(const struct deck_binding *b, size_t i)
 {
     const struct load_config *load = load_at(b, i);
-    bool spins = load->mover < b->config->n_bodies && b->config->bodies[load->mover].spin != 0;
-    for (size_t k = 0; k < b->config->n_loads && is_force(load->quantity); k++) {
+    if (!is_force(load->quantity) || load->mover >= b->config->n_bodies ||
+        b->config->bodies[load->mover].motion != MOTION_DRIVEN)
+        return;
+    findings_error(b->findings, load_place(b, i), "'%s': bodies under a force are not computed yet",
+                   quantity_name(load->quantity));
+    bool spins = b->config->bodies[load->mover].spin != 0;
+    for (size_t k = 0; k < b->config->n_loads; k++) {
         enum load_quantity q = load_at(b, k)->quantity;
         if (load_at(b, k)->mover == load->mover && (q <= LOAD_SPIN || spins)) {
             findings_error(b->findings, load_place(b, spins ? i : k),
@@ -155,9 +160,6 @@ static void check_force_keys(const struct deck_binding *b, size_t i)
             findings_error(b->findings, load_place(b, i),
                            "'%s' acts on a side, and the domain is periodic in %c: it has no side there",
                            quantity_name(load->quantity), "xy"[a]);
-    if (is_force(load->quantity))
-        findings_error(b->findings, load_place(b, i), "'%s': bodies under a force are not computed yet",
-                       quantity_name(load->quantity));
 }
 
 /* --- spins --- */
