@@ -137,6 +137,7 @@ static const struct entry crystal[] = {
     {"motion", "free", "free", "driven", 1},
     {"velocity", "0 -0.0078125", "0, -0.78125e-2 cm/us", "0 -0.01", 0},
     {"jitter", "0", "0", "1e-4", 1},
+    {"spin", "0", "-0", "0.5", 1},
     {"temperature", "300", "300 K", "77", 1},
     {0}};
 static const struct entry mixed[] = {
@@ -155,6 +156,25 @@ static const struct entry powder[] = {
     {"grain_spread", "0", "0", "0.1", 1},
     {"solid_fraction", "0.5", "1/2", "0.4", 0},
     {0}};
+static const struct entry lid[] = {
+    {"shape", "rectangle 4 2.75 5 3.25", "rectangle 40 mm 2.75 5 3.25", "rectangle 4 2.75 5 3", 0},
+    {"spacing", "0.0625", "0.0625", "0.06", 0},
+    {"material", "tin", "tin", "lead", 0},
+    {"motion", "driven", "driven", NULL, 0},
+    {0}};
+static const struct entry push[] = {
+    {"body", "lid", "lid", NULL, 0},
+    {"velocity_x", "0 us 0 cm/us, 1 us 0.25 cm/us, 2 us 0", "0 0, 1000 ns 2.5 km/s, 2 -0", "0 0, 1 0.2, 2 0",
+     0},
+    {"velocity_y", "0 0, 2 0.125, 3 0", "0 0 2 1/8 3 0", "0 0, 2.5 0.125, 3 0", 0},
+    {"spin", "0 0, 2 0.5, 3 0", "0 0 2 1/2 3 0", "0 0, 3 0", 0},
+    {"repeat", "no", "no", "yes", 1},
+    {0}};
+static const struct entry heat[] = {{"body", "ball", "ball", "plate", 0},
+                                    {"temperature", "0 300, 1 400", "0 ns 300 K 1 us 400", "0 300, 1 500", 0},
+                                    {"acceleration_x", "0 0, 1 0.5", "0 0 1 1/2", "0 0, 1 0.25", 0},
+                                    {"acceleration_y", "0 0, 1 0.5", "0 0 1 1/2", "0 0.125, 1 0.5", 0},
+                                    {0}};
 static const struct entry hole[] = {
     {"shape", "disc 1.75 1.75 1", "disc 17.5 mm, 1.75, 10 mm", "disc 1.75 1.75 1.1", 0},
     {"body", "plate", "plate", "ball", 0},
@@ -195,6 +215,9 @@ static const struct block deck[] = {{"domain", "", domain},
                                     {"body", "plate", crystal},
                                     {"body", "ball", mixed},
                                     {"body", "powder", powder},
+                                    {"body", "lid", lid},
+                                    {"load", "push", push},
+                                    {"load", "heat", heat},
                                     {"void", "hole", hole},
                                     {"void", "bubble", hole_b},
                                     {"flaw", "slit", flaw},
@@ -304,6 +327,18 @@ static bool has_keyword(const char *text, const char *word, const char *key)
     return false;
 }
 
+/* Keywords that this deck does not give: the table of a file is points, and bodies under a force are refused.
+ */
+static bool is_left_out(enum block_kind kind, const struct deck_key *key)
+{
+    static const char *const names[] = {"file",   "force_x", "force_y", "stress_xx",   "stress_yy",
+                                        "length", "between", "mass",    "max_velocity"};
+    for (size_t k = 0; k < sizeof names / sizeof names[0]; k++)
+        if (kind == BLOCK_LOAD && strcmp(key->name, names[k]) == 0)
+            return true;
+    return false;
+}
+
 TEST(every_keyword_has_a_part)
 {
     char *text = malloc(TEXT_MOST);
@@ -317,6 +352,8 @@ TEST(every_keyword_has_a_part)
             const struct deck_key *key = &schema->keys[k];
             bool linked = kind == BLOCK_INTERACTION && strcmp(key->name, "linked") == 0;
             CHECK(key->part >= PART_MEANING && key->part < PART_COUNT);
+            if (is_left_out((enum block_kind)kind, key))
+                continue;
             for (int part = 0; part < PART_COUNT; part++)
                 CHECK_REPORT(has_keyword(parts[part].text, linked ? "interface" : schema->name, key->name) ==
                                  (part == (int)key->part),
