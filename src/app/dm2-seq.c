@@ -144,6 +144,19 @@ static enum dm2_status write_row(struct sequence *s, int64_t n, const struct mea
     return status;
 }
 
+/* Closes the step of the bodies under force, and tells of a body that meets nothing. */
+static void take_totals(struct sequence *s)
+{
+    char line[LOADING_LINE];
+    struct loading *loading = subdomain_loading(s->sd);
+    if (loading == NULL)
+        return;
+    subdomain_take_totals(s->sd, subdomain_load_totals(s->sd));
+    while (loading_warns(loading, line))
+        if (!s->options->quiet)
+            (void)fprintf(stderr, "%s: %s\n", PROGRAM, line);
+}
+
 /* One time step (paper, Fig. 5): forces, the states and measures that are due, leapfrog, lists. */
 static enum dm2_status take_step(struct sequence *s, struct dm2_error *err)
 {
@@ -161,6 +174,8 @@ static enum dm2_status take_step(struct sequence *s, struct dm2_error *err)
         status = write_profiles(s, err);
     if (status == DM2_OK)
         status = subdomain_move(s->sd, &dmax, n == 0 || schedule_history(c, n) ? &measures : NULL, err);
+    if (status == DM2_OK)
+        take_totals(s);
     if (status == DM2_OK && n == 0) /* the history has a row of step 0 */
         status = model_check_start(s->run->model, &measures, err);
     if (status == DM2_OK && survey)

@@ -67,7 +67,14 @@ static enum dm2_status open_client(struct client *c, struct dm2_error *err)
     if (c->sources == NULL || report->servers == NULL)
         return dm2_fail(err, DM2_MEMORY, "no memory for %d servers", c->ranks);
     rebuild_plan_start(&c->plan, c->job->config, model_margins(c->job->model));
-    status = collection_open(&c->collection, c->job, c->course, &c->talk, err);
+    struct state_view start = {.step = 0};
+    bool begun = course_state(c->course, c->job, &start);
+    status = loading_open(c->job->model, start.step, &c->loading, err);
+    if (status == DM2_OK && begun && c->loading != NULL)
+        status = loading_restore(c->loading, &start.sections[SECTION_BODY], err);
+    if (status == DM2_OK)
+        status = collection_open(&c->collection, c->job, c->course, &c->talk, err);
+    c->collection.loading = c->loading;
     return status != DM2_OK ? status : relay_open(&c->relay, c->ranks, err);
 }
 
@@ -78,6 +85,7 @@ static void close_client(struct client *c, enum dm2_status status, const struct 
     relay_free(&c->relay);
     collection_close(&c->collection);
     crack_list_free(&c->cracks);
+    loading_free(c->loading);
     free(c->answers);
     free(c->sources);
 }

@@ -13,6 +13,7 @@
 #include "dm2/cluster/client.h"
 #include "dm2/cluster/decomposition.h"
 #include "dm2/cluster/messages.h"
+#include "dm2/engine/loading.h"
 #include "dm2/engine/rebuild.h"
 #include "collection.h"
 #include "conversation.h"
@@ -47,6 +48,7 @@ struct client {
     struct crack_list cracks; /* that came with the last STEP or DONE messages */
     bool copy_due;            /* the state comes with the next STEP messages */
     bool survey;              /* the spread comes with the next STEP messages */
+    struct loading *loading;  /* the bodies under force; NULL: there are none */
 };
 
 /* --- client_setup.c, in the order of a session --- */

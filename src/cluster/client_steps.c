@@ -8,6 +8,7 @@
 #include "client_parts.h"
 
 #include <stdio.h>
+#include <string.h>
 
 #include "dm2/base/bytes.h"
 #include "dm2/base/clock.h"
@@ -51,19 +52,36 @@ struct step_sum {
     uint64_t hash; /* the sum */
     struct spread spread;
     struct measures measures;
+    struct load_totals loads[FORCED_MAX]; /* the sums */
 };
 
 static const char not_its_probes[] = "its measures have other probes than the deck";
 
-/* Checks that the STEP message of every rank is the requested one, and combines all of them in *sum. */
+/* Adds the totals of the bodies under force in the STEP message of one rank; a repeated STEP has none. */
+static enum dm2_status sum_loads(struct client *c, int rank, bool again, struct load_totals *loads,
+                                 struct dm2_error *err)
+{
+    const struct step_message *m = &c->answers[rank].step;
+    if (m->n_loads != (again ? 0 : model_forced(c->job->model)))
+        return conversation_failed(
+            &c->talk, rank, DM2_PROTOCOL,
+            "its STEP message has the totals of other bodies than the deck moves by forces", err);
+    for (size_t i = 0; i < m->n_loads; i++)
+        load_totals_merge(&loads[i], &m->loads[i]);
+    return DM2_OK;
+}
+
+/* Checks that the STEP message of every rank is the requested one, and combines all of them in *sum. again:
+ * the step is repeated as a rebuild. */
 static enum dm2_status sum_steps(struct client *c, bool rebuild, bool measured, bool hashed, bool surveyed,
-                                 struct step_sum *sum, struct dm2_error *err)
+                                 bool again, struct step_sum *sum, struct dm2_error *err)
 {
     uint64_t elements = 0;
     sum->dmax = sum->busy = 0.0;
     sum->slowest = 0;
     sum->hash = 0;
     sum->spread = spread_none();
+    memset(sum->loads, 0, sizeof sum->loads);
     measures_clear(&sum->measures);
     for (int k = 0; k < c->ranks; k++) {
         const struct step_message *m = &c->answers[k].step;
@@ -80,6 +98,9 @@ static enum dm2_status sum_steps(struct client *c, bool rebuild, bool measured, 
         }
         if (measured && !measures_match(&m->measures, c->job->config))
             return conversation_failed(&c->talk, k, DM2_PROTOCOL, not_its_probes, err);
+        enum dm2_status status = sum_loads(c, k, again, sum->loads, err);
+        if (status != DM2_OK)
+            return status;
         elements += m->owned;
         sum->dmax = m->dmax > sum->dmax ? m->dmax : sum->dmax;
         if (m->busy > sum->busy || k == 0) {
@@ -144,7 +165,7 @@ static enum dm2_status exchange_step(struct client *c, bool *rebuild, const stru
         if (status == DM2_OK)
             status = conversation_gather(&c->talk, MESSAGE_STEP, LIMIT_STEP, take_step, false, err);
         if (status == DM2_OK)
-            status = sum_steps(c, true, false, false, false, &again, err);
+            status = sum_steps(c, true, false, false, false, true, &again, err);
         if (status != DM2_OK)
             return status;
     }
@@ -156,11 +177,14 @@ static enum dm2_status exchange_step(struct client *c, bool *rebuild, const stru
     c->survey = !last && rebuild_plan_survey(&c->plan);
     double start = clock_now();
     c->copy_due = course_wants_copy(c->course, c->job, c->talk.at + 1);
-    const struct next_message next = {.step = c->talk.at,
-                                      .rebuild_next = *rebuild,
-                                      .copy_next = c->copy_due,
-                                      .survey_next = c->survey,
-                                      .ends = ends};
+    struct next_message next = {.step = c->talk.at,
+                                .rebuild_next = *rebuild,
+                                .copy_next = c->copy_due,
+                                .survey_next = c->survey,
+                                .ends = ends,
+                                .n_loads = model_forced(c->job->model)};
+    for (size_t i = 0; i < next.n_loads; i++)
+        next.loads[i] = sum->loads[i];
     status = send_next(c, next, true, err);
     c->course->report.relay += clock_now() - start;
     return status;
@@ -190,6 +214,20 @@ static enum dm2_status watch_row(struct client *c, int64_t n, const struct measu
     return status;
 }
 
+/* Moves the bodies under force as the servers do, and tells of a body that meets nothing. */
+static enum dm2_status move_loaded(struct client *c, const struct load_totals *totals, struct dm2_error *err)
+{
+    char line[LOADING_LINE];
+    if (c->loading == NULL)
+        return DM2_OK;
+    enum dm2_status status = loading_kick(c->loading, err);
+    if (status == DM2_OK)
+        loading_take(c->loading, totals);
+    while (status == DM2_OK && loading_warns(c->loading, line))
+        course_tell_user(c->options, line);
+    return status;
+}
+
 /* Runs the step from state n to state n + 1 and writes the results of state n. */
 static enum dm2_status run_step(struct client *c, int64_t n, bool *rebuild, struct dm2_error *err)
 {
@@ -208,12 +246,14 @@ static enum dm2_status run_step(struct client *c, int64_t n, bool *rebuild, stru
     collection_expect_profiles(&c->collection, n);
     enum dm2_status status = conversation_gather(&c->talk, MESSAGE_STEP, LIMIT_STEP, take_step, false, err);
     if (status == DM2_OK)
-        status = sum_steps(c, *rebuild, schedule_measure(config, n), hashed, c->survey, &sum, err);
+        status = sum_steps(c, *rebuild, schedule_measure(config, n), hashed, c->survey, false, &sum, err);
     if (status == DM2_OK && n == 0) /* the history has a row of step 0 */
         status = model_check_start(c->job->model, &sum.measures, err);
     bool ends = false, watched = history && config->n_stops > 0;
     if (status == DM2_OK && watched)
         status = watch_row(c, n, &sum.measures, &ends, err);
+    if (status == DM2_OK)
+        status = move_loaded(c, sum.loads, err);
     if (status == DM2_OK)
         status = exchange_step(c, rebuild, &sum, ends, err);
     if (status != DM2_OK)

@@ -169,6 +169,10 @@ enum dm2_status collection_write(struct collection *c, enum state_purpose purpos
         if (!state->whole[k])
             return conversation_failed(c->talk, k, DM2_PROTOCOL,
                                        "it did not finish sending its part of the state", err);
+    m->sections[SECTION_BODY].n = 0;
+    if (c->loading != NULL && purpose != STATE_SNAPSHOT &&
+        !loading_collect(c->loading, &m->sections[SECTION_BODY]))
+        return dm2_fail(err, DM2_MEMORY, "no memory for the bodies of a state");
     enum dm2_status status = state_merge_finish(m, &why);
     if (status != DM2_OK)
         return dm2_fail(err, status, "compiling the state of step %lld: %s", (long long)state->step,

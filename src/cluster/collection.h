@@ -13,6 +13,8 @@
 #include "dm2/base/status.h"
 #include "dm2/cluster/client.h"
 #include "dm2/cluster/messages.h"
+#include "dm2/engine/loading.h"
+#include "dm2/engine/loading.h"
 #include "dm2/engine/profile.h"
 #include "dm2/net/frame.h"
 #include "conversation.h"
@@ -35,9 +37,10 @@ struct profile_part {
 };
 
 struct collection {
-    const struct client_job *job; /* NULL: nothing is ever due */
-    struct course *course;        /* keeps the copies */
-    struct conversation *talk;    /* for failures of servers */
+    const struct client_job *job;  /* NULL: nothing is ever due */
+    struct course *course;         /* keeps the copies */
+    struct conversation *talk;     /* for failures of servers */
+    const struct loading *loading; /* for the states of bodies under force; NULL: there are none */
     struct compilation snapshot, final, copy;
     struct profile_part *profiles; /* [config->n_profiles] */
     int64_t profile_step;          /* the step of all profiles */

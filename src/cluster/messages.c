@@ -253,13 +253,45 @@ static void get_cracks(struct bytes_reader *r, struct crack_part *c)
     c->bytes = bytes_get_raw(r, c->n * WIRE_CRACK);
 }
 
+/* Totals of the bodies under force: u8 their number, then each. */
+static void put_loads(struct bytes_writer *w, const struct load_totals *loads, size_t n)
+{
+    bytes_put_u8(w, (uint8_t)n);
+    for (size_t i = 0; i < n; i++) {
+        const struct exact_sum *sums[4] = {&loads[i].force[0], &loads[i].force[1], &loads[i].speed[0],
+                                           &loads[i].speed[1]};
+        for (int k = 0; k < 4; k++) {
+            bytes_put_i64(w, sums[k]->hi);
+            bytes_put_u64(w, sums[k]->lo);
+        }
+        bytes_put_u32(w, loads[i].contacts);
+    }
+}
+
+static size_t get_loads(struct bytes_reader *r, struct load_totals *loads)
+{
+    size_t n = bytes_get_u8(r);
+    require(r, n > 0 && n <= FORCED_MAX);
+    for (size_t i = 0; i < n && !r->failed; i++) {
+        struct exact_sum *sums[4] = {&loads[i].force[0], &loads[i].force[1], &loads[i].speed[0],
+                                     &loads[i].speed[1]};
+        for (int k = 0; k < 4; k++) {
+            sums[k]->hi = bytes_get_i64(r);
+            sums[k]->lo = bytes_get_u64(r);
+        }
+        loads[i].contacts = bytes_get_u32(r);
+    }
+    return r->failed ? 0 : n;
+}
+
 enum {
     STEP_REBUILD = 1,
     STEP_MEASURED = 2,
     STEP_HASHED = 4,
     STEP_SURVEYED = 8,
     STEP_CRACKED = 16,
-    STEP_FLAGS = 31
+    STEP_LOADED = 32,
+    STEP_FLAGS = 63
 };
 
 void message_put_step(struct bytes_writer *w, const struct step_message *m)
@@ -267,7 +299,7 @@ void message_put_step(struct bytes_writer *w, const struct step_message *m)
     bytes_put_i64(w, m->step);
     bytes_put_u8(w, (uint8_t)((m->rebuild ? STEP_REBUILD : 0) | (m->measured ? STEP_MEASURED : 0) |
                               (m->hashed ? STEP_HASHED : 0) | (m->surveyed ? STEP_SURVEYED : 0) |
-                              (m->cracks.n > 0 ? STEP_CRACKED : 0)));
+                              (m->cracks.n > 0 ? STEP_CRACKED : 0) | (m->n_loads > 0 ? STEP_LOADED : 0)));
     bytes_put_u64(w, m->owned);
     bytes_put_u64(w, m->migrants);
     bytes_put_f64(w, m->dmax);
@@ -280,6 +312,8 @@ void message_put_step(struct bytes_writer *w, const struct step_message *m)
         bytes_put_u64(w, m->hash);
     if (m->cracks.n > 0)
         put_cracks(w, &m->cracks);
+    if (m->n_loads > 0)
+        put_loads(w, m->loads, m->n_loads);
     bytes_put_u32(w, m->n_segments);
 }
 
@@ -305,6 +339,7 @@ void message_get_step(struct bytes_reader *r, struct step_message *m)
     if ((flags & STEP_CRACKED) != 0)
         get_cracks(r, &m->cracks);
     require(r, ((flags & STEP_CRACKED) != 0) == (m->cracks.n > 0));
+    m->n_loads = (flags & STEP_LOADED) != 0 ? get_loads(r, m->loads) : 0;
     m->n_segments = bytes_get_u32(r);
 }
 
@@ -314,7 +349,8 @@ enum {
     NEXT_COPY = 4,
     NEXT_SURVEY = 8,
     NEXT_ENDS = 32, /* 16 is not in use */
-    NEXT_FLAGS = 15 | NEXT_ENDS
+    NEXT_LOADED = 64,
+    NEXT_FLAGS = 15 | NEXT_ENDS | NEXT_LOADED
 };
 
 void message_put_next(struct bytes_writer *w, const struct next_message *m)
@@ -322,7 +358,9 @@ void message_put_next(struct bytes_writer *w, const struct next_message *m)
     bytes_put_i64(w, m->step);
     bytes_put_u8(w, (uint8_t)((m->redo ? NEXT_REDO : 0) | (m->rebuild_next ? NEXT_REBUILD : 0) |
                               (m->copy_next ? NEXT_COPY : 0) | (m->survey_next ? NEXT_SURVEY : 0) |
-                              (m->ends ? NEXT_ENDS : 0)));
+                              (m->ends ? NEXT_ENDS : 0) | (m->n_loads > 0 ? NEXT_LOADED : 0)));
+    if (m->n_loads > 0)
+        put_loads(w, m->loads, m->n_loads);
     bytes_put_u32(w, m->n_segments);
 }
 
@@ -336,8 +374,9 @@ void message_get_next(struct bytes_reader *r, struct next_message *m)
     m->copy_next = (flags & NEXT_COPY) != 0;
     m->survey_next = (flags & NEXT_SURVEY) != 0;
     m->ends = (flags & NEXT_ENDS) != 0;
+    m->n_loads = (flags & NEXT_LOADED) != 0 ? get_loads(r, m->loads) : 0;
     m->n_segments = bytes_get_u32(r);
-    require(r, !m->redo || (m->n_segments == 0 && !m->ends));
+    require(r, !m->redo || (m->n_segments == 0 && m->n_loads == 0 && !m->ends));
 }
 
 /* The sections of a STATE message before the further ones. */

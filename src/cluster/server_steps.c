@@ -163,6 +163,9 @@ static enum dm2_status get_next(struct session *s, int64_t step, struct next_mes
     if (next->step != step)
         return dm2_fail(err, DM2_PROTOCOL, "the client sent NEXT for step %lld where %lld is due",
                         (long long)next->step, (long long)step);
+    if (next->n_loads != (next->redo ? 0 : model_forced(s->model)))
+        return dm2_fail(err, DM2_PROTOCOL, "the client sent the totals of %zu bodies with NEXT, %zu are due",
+                        next->n_loads, model_forced(s->model));
     return DM2_OK;
 }
 
@@ -202,6 +205,7 @@ static enum dm2_status swap_segments(struct session *s, struct step_message *m, 
         m->rebuild = true;
         m->measured = m->hashed = m->surveyed = false;
         m->cracks = (struct crack_part){0};
+        m->n_loads = 0;
         status = send_step(s, m, err);
         if (status == DM2_OK)
             status = get_next(s, m->step, &next, &r, err);
@@ -212,6 +216,7 @@ static enum dm2_status swap_segments(struct session *s, struct step_message *m, 
     if (status != DM2_OK)
         return status;
     double start = clock_now();
+    subdomain_take_totals(s->sd, next.loads);
     if (m->rebuild)
         status = exchange_take_rebuild(&s->exchange, s->sd, &r, next.n_segments, err);
     else
@@ -252,6 +257,9 @@ static enum dm2_status run_step(struct session *s, int64_t n, struct next_messag
     m.surveyed = asked->survey_next;
     if (status == DM2_OK && m.surveyed)
         subdomain_survey(s->sd, &m.spread);
+    m.n_loads = model_forced(s->model);
+    for (size_t i = 0; i < m.n_loads; i++)
+        m.loads[i] = subdomain_load_totals(s->sd)[i];
     m.hashed = every > 0 && (m.step % every == 0 || m.step == s->config.steps);
     m.cracks = cracks_of(s->sd);
     server_beat(s);

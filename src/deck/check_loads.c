@@ -111,26 +111,19 @@ static void check_ends(const struct deck_binding *b, size_t i)
                        number_text(load->value[load->n - 1], &last));
 }
 
-/* A body under a force keeps the velocity of its block along the other axis. */
+/* A body under a force does not turn, because the force acts on one of its sides. */
 static void check_force_alone(const struct deck_binding *b, size_t i)
 {
     const struct load_config *load = load_at(b, i);
-    if (!is_force(load->quantity) || load->mover >= b->config->n_bodies ||
-        b->config->bodies[load->mover].motion != MOTION_DRIVEN)
+    if (!is_force(load->quantity) || load->mover >= b->config->n_bodies)
         return;
-    findings_error(b->findings, load_place(b, i), "'%s': bodies under a force are not computed yet",
-                   quantity_name(load->quantity));
-    bool spins = b->config->bodies[load->mover].spin != 0;
-    for (size_t k = 0; k < b->config->n_loads; k++) {
-        enum load_quantity q = load_at(b, k)->quantity;
-        if (load_at(b, k)->mover == load->mover && (q <= LOAD_SPIN || spins)) {
-            findings_error(b->findings, load_place(b, spins ? i : k),
-                           "the body '%s' is under a force: it does not turn, and along the other axis it "
-                           "keeps the velocity of its block",
-                           config_mover_name(b->config, load->mover));
-            return;
-        }
-    }
+    const struct body_config *body = &b->config->bodies[load->mover];
+    if (body->motion == MOTION_DRIVEN &&
+        (body->spin != 0 || config_load(b->config, load->mover, LOAD_SPIN) != NULL))
+        findings_error(
+            b->findings, load_place(b, i),
+            "the body '%s' has a spin, and under a force a body does not turn: leave one of them out",
+            body->name);
 }
 
 /* Refuses the keywords of forces and stresses for other loads, and contradictions among them. */

@@ -90,7 +90,7 @@ bool config_is_placed(const struct config *c, size_t body)
 {
     if (c->bodies[body].motion != MOTION_DRIVEN)
         return false;
-    for (int q = LOAD_VELOCITY_X; q <= LOAD_SPIN; q++)
+    for (int q = LOAD_VELOCITY_X; q <= LOAD_STRESS_YY; q++)
         if (config_load(c, body, (enum load_quantity)q) != NULL)
             return true;
     return c->bodies[body].spin != 0;

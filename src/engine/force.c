@@ -135,8 +135,8 @@ DM2_INLINE void evaluate_pair(struct pass *pass, struct lists *l, uint32_t i, ui
         .soft_j = p->soft[j],
         .t_i = p->temperature[i],
         .t_j = p->temperature[j],
-        .held_i = (p->flags[i] & ELEMENT_FIXED_MOTION) != 0,
-        .held_j = (p->flags[j] & ELEMENT_FIXED_MOTION) != 0,
+        .held_i = particles_held(p, i, j),
+        .held_j = particles_held(p, j, i),
         .walls = particles_walls(p, i, j),
     };
     if (p->p != NULL) {

@@ -22,7 +22,7 @@ double control_damping(const struct control_constants *c, double contacts)
     return 2.0 * (c->zeta + omega * c->dt) * sqrt(k * c->mass);
 }
 
-void control_step(const struct control_constants *c, double load, double weight,
+void control_kick(const struct control_constants *c, double load, double weight,
                   const struct control_response *response, struct control_state *s)
 {
     double excess = (response->force + load) + weight;
@@ -31,5 +31,9 @@ void control_step(const struct control_constants *c, double load, double weight,
     if (response->contacts > 0.0)
         s->offset = clamp(s->offset + excess * (c->dt / c->reset), offset_most * fabs(load));
     s->velocity = clamp(s->velocity + force * (c->dt / c->mass), c->fastest);
+}
+
+void control_drift(const struct control_constants *c, struct control_state *s)
+{
     s->shift += s->velocity * c->dt;
 }

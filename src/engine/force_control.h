@@ -1,6 +1,6 @@
-/* The motion of a rigid body under a force along one axis (docs/physics.md, section 17): one equation of motion
- * with a damping that follows from the stiffness of the body's contacts, so that the reaction of the sample
- * reaches the asked load without oscillation. Pure functions; engine/loading.h keeps the states. */
+/* The motion of a rigid body under a force along one axis (docs/physics.md, section 17): one equation of
+ * motion with a damping that follows from the stiffness of the body's contacts, so that the reaction of the
+ * sample reaches the asked load without oscillation. Pure functions; engine/loading.h keeps the states. */
 #ifndef DM2_ENGINE_FORCE_CONTROL_H
 #define DM2_ENGINE_FORCE_CONTROL_H
 
@@ -32,9 +32,12 @@ struct control_state {
  * sqrt(K/M). The term omega dt makes up for the delay of two steps of the response. */
 double control_damping(const struct control_constants *c, double contacts);
 
-/* One kick and drift: `load` is the force P on the body at this step, `weight` its weight along the axis, Mbar
- * cm2; `response` that of the evaluation two steps before. */
-void control_step(const struct control_constants *c, double load, double weight,
+/* One kick, without the drift: `load` is the force P on the body at this step, `weight` its weight along the
+ * axis, Mbar cm2; `response` that of the evaluation two steps before. */
+void control_kick(const struct control_constants *c, double load, double weight,
                   const struct control_response *response, struct control_state *s);
+
+/* The drift. */
+void control_drift(const struct control_constants *c, struct control_state *s);
 
 #endif

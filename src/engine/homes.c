@@ -42,7 +42,7 @@ static int compare_id(const void *key, const void *record)
 }
 
 enum dm2_status homes_find(const struct model *m, const struct section_array *homes, int64_t step,
-                           struct element *e, struct dm2_error *err)
+                           const struct loading *loading, struct element *e, struct dm2_error *err)
 {
     const char *body = m->config->bodies[e->body].name;
     const struct home_record *found =
@@ -57,6 +57,7 @@ enum dm2_status homes_find(const struct model *m, const struct section_array *ho
     double at[2], off2 = 0.0, edge = m->grid.lx < m->grid.ly ? m->grid.lx : m->grid.ly;
     const struct period period = period_of(&m->grid);
     drive_set_place(m, e->body, step - 1, &d);
+    loading_add_shift(loading, e->body, d.to);
     drive_place(&d, e->home, at);
     for (size_t a = 0; a < 2; a++) {
         double off = fmod(at[a] - e->r[a], m->grid.periodic[a] ? m->grid.size[a] : HUGE_VAL);

@@ -7,6 +7,7 @@
 #include "dm2/base/status.h"
 #include "dm2/engine/element.h"
 #include "dm2/engine/section.h"
+#include "loading_parts.h"
 #include "particles.h"
 
 /* Appends the homes of the owned elements of bodies that are placed, in id order. DM2_MEMORY. */
@@ -19,8 +20,9 @@ enum dm2_status homes_sorted(const struct section_array *homes, struct section_a
                              struct dm2_error *err);
 
 /* Sets the home of an owned element of a body that is placed, from records in id order. DM2_PROTOCOL: the
- * element has none, or its place at `step` is not where its home puts the element. */
+ * element has none, or its place at `step` is not where its home puts the element. loading: the bodies under
+ * force at this step, or NULL. */
 enum dm2_status homes_find(const struct model *m, const struct section_array *homes, int64_t step,
-                           struct element *e, struct dm2_error *err);
+                           const struct loading *loading, struct element *e, struct dm2_error *err);
 
 #endif

@@ -138,7 +138,8 @@ static bool is_pressed(const struct builder *b, uint32_t i, uint32_t j, double r
     const struct body_config *bodies = b->m->config->bodies;
     double most = pressed_below * r0;
     if (r2 >= most * most || (relation == RELATION_OTHER_GRAIN && law->initial_link) ||
-        ((p->flags[i] & ELEMENT_FIXED_MOTION) && (p->flags[j] & ELEMENT_FIXED_MOTION)))
+        ((p->flags[i] & p->flags[j] & ELEMENT_FIXED_MOTION) != 0 &&
+         (p->body[i] == p->body[j] || particles_walls(p, i, j))))
         return false;
     most *= fmin(find_closeness(&bodies[p->body[i]]), find_closeness(&bodies[p->body[j]]));
     return r2 < most * most;

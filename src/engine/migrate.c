@@ -370,7 +370,11 @@ enum dm2_status migrate_build_lists(struct subdomain *sd, bool initial, struct d
     if (n > 0)
         memcpy(anchor, sd->p.r, n * 2 * sizeof *anchor);
     sd->anchors_sorted = false;
-    return lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, initial, err);
+    enum dm2_status status = lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, initial, err);
+    if (status == DM2_OK && sd->loading != NULL &&
+        load_sums_build(&sd->load_sums, sd->model, &sd->p, &sd->lists) != 0)
+        status = subdomain_no_memory(sd, err);
+    return status;
 }
 
 enum dm2_status subdomain_take_in(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels,

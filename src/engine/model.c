@@ -194,6 +194,9 @@ static enum dm2_status build_tables(struct model *m, struct dm2_error *err)
         status = count_elements(m, err);
     if (status != DM2_OK)
         return status;
+    status = forced_build(m, err);
+    if (status != DM2_OK)
+        return status;
     m->margins = choose_margins(m);
     scales_choose(m);
     scales_find_far_ranges(m);
@@ -240,6 +243,8 @@ void model_free(struct model *m)
     free(m->laws);
     free(m->body_first);
     free(m->grain_first);
+    free(m->forced);
+    free(m->forced_of);
     motion_free(m);
     probes_free(&m->probes);
     free(m);

@@ -153,7 +153,7 @@ void particles_get(const struct particles *p, size_t i, struct element *out)
                             .grain = p->grain[i],
                             .body = p->body[i],
                             .kind = p->kind[i],
-                            .flags = p->flags[i],
+                            .flags = p->flags[i] & ELEMENT_FIXED_MOTION,
                             .probes = p->probes[i],
                             .radius = p->radius[i],
                             .mass = p->mass[i],
@@ -197,7 +197,8 @@ void particles_put(struct particles *p, const struct model *m, size_t i, const s
     p->grain[i] = in->grain;
     p->kind[i] = in->kind;
     p->body[i] = in->body;
-    p->flags[i] = in->flags;
+    p->flags[i] =
+        (uint8_t)(in->flags | (m->forced_of != NULL && m->forced_of[in->body] > 0 ? ELEMENT_FORCED : 0));
     p->probes[i] = in->probes;
     if (p->groups & NEAR)
         p->bonds[i] = in->bonds;

@@ -144,11 +144,24 @@ static inline void particles_warm(struct particles *p, const struct model *m, si
     p->soft[i] = particles_softening(kind, temperature);
 }
 
-/* True for two elements of prescribed motion in different bodies. No force can move either, so none acts
- * between them, nor does their pair hold energy; the pair conducts, reacts, counts, and links by distance. */
+/* A flag that only the arrays have: the element's body moves by forces (forced.h). */
+enum { ELEMENT_FORCED = 2 };
+
+/* True for two elements of prescribed motion in different bodies of which neither moves by forces. No force
+ * can move either, so none acts between them, nor does their pair hold energy; the pair conducts, reacts,
+ * counts, and links by distance. */
 static inline bool particles_walls(const struct particles *p, size_t i, size_t j)
 {
-    return (p->flags[i] & p->flags[j] & ELEMENT_FIXED_MOTION) != 0 && p->body[i] != p->body[j];
+    return (p->flags[i] & p->flags[j] & ELEMENT_FIXED_MOTION) != 0 && p->body[i] != p->body[j] &&
+           ((p->flags[i] | p->flags[j]) & ELEMENT_FORCED) == 0;
+}
+
+/* Is slot i of prescribed motion that moves by no force in its pair with slot j? An element of a body under
+ * force counts with its own mass where the partner moves by no force. */
+static inline bool particles_held(const struct particles *p, size_t i, size_t j)
+{
+    return (p->flags[i] & ELEMENT_FIXED_MOTION) != 0 &&
+           !(p->flags[i] > ELEMENT_FIXED_MOTION && p->flags[j] == ELEMENT_FIXED_MOTION);
 }
 
 /* Coordinate a of slot i, owned, as if the element had never gone round a periodic domain, cm: r + image

@@ -31,7 +31,8 @@ static bool law_has_pairs(const struct model *m, size_t a, size_t b, enum relati
         if (!holds_kind(m, &c->bodies[x], a))
             continue;
         for (size_t y = 0; y < c->n_bodies; y++) {
-            bool walls = c->bodies[x].motion != MOTION_FREE && c->bodies[y].motion != MOTION_FREE;
+            bool walls = c->bodies[x].motion != MOTION_FREE && c->bodies[y].motion != MOTION_FREE &&
+                         (m->forced_of == NULL || (m->forced_of[x] == 0 && m->forced_of[y] == 0));
             if ((x == y) != (relation == RELATION_OTHER_BODY) && (x == y || !walls) &&
                 holds_kind(m, &c->bodies[y], b))
                 return true;

@@ -190,6 +190,10 @@ unsigned section_has(const struct config *config)
     unsigned has = 0;
     for (size_t b = 0; b < config->n_bodies; b++)
         has |= config_is_placed(config, b) ? 1u << SECTION_HOME : 0u;
+    for (size_t i = 0; i < config->n_loads; i++)
+        has |= config->loads[i].quantity >= LOAD_FORCE_X && config->loads[i].quantity <= LOAD_STRESS_YY
+                   ? 1u << SECTION_BODY
+                   : 0u;
     return has;
 }
 

@@ -47,7 +47,8 @@ static enum dm2_status open_subdomain(const struct model *model, const struct do
         sd->p.drives = sd->drives = mem_zalloc(model->config->n_bodies, sizeof *sd->drives);
     if (sd->neighbours == NULL || (model->has_drives && sd->drives == NULL))
         return subdomain_no_memory(sd, err);
-    return cells_build(&sd->cells, map, rank, err);
+    enum dm2_status status = loading_open(model, step, &sd->loading, err);
+    return status == DM2_OK ? cells_build(&sd->cells, map, rank, err) : status;
 }
 
 /* The elements that a new subdomain owns, and those that it mirrors. */
@@ -129,6 +130,8 @@ enum dm2_status subdomain_restore(const struct model *model, const struct domain
 {
     enum dm2_status status = open_subdomain(model, map, rank, state->step, out, err);
     struct chooser chosen = {.sd = *out};
+    if (status == DM2_OK && (*out)->loading != NULL)
+        status = loading_restore((*out)->loading, &state->sections[SECTION_BODY], err);
     if (status == DM2_OK && map->ranks == 1 && reserve_elements(&chosen.own, state->n_elements) != 0)
         status = subdomain_no_memory(*out, err);
     struct section_array homes = {.n = 0};
@@ -137,7 +140,7 @@ enum dm2_status subdomain_restore(const struct model *model, const struct domain
     for (size_t k = 0; k < state->n_elements && status == DM2_OK; k++) {
         struct element e = state->elements[k];
         if (model->placed[e.body] && map->owner[subdomain_cell_at(*out, e.r)] == (*out)->rank)
-            status = homes_find(model, &homes, state->step, &e, err);
+            status = homes_find(model, &homes, state->step, (*out)->loading, &e, err);
         if (status == DM2_OK)
             status = choose_element(&chosen, &e, err);
     }
@@ -168,6 +171,8 @@ void subdomain_free(struct subdomain *sd)
     cells_free(&sd->cells);
     particles_free(&sd->p);
     force_drop(&sd->pass, &sd->lists);
+    loading_free(sd->loading);
+    load_sums_free(&sd->load_sums);
     lists_free(&sd->lists);
     strain_free(&sd->strain);
     stiffness_free(&sd->stiff);
@@ -212,7 +217,8 @@ size_t subdomain_bytes(const struct subdomain *sd)
                    sd->ids.slots * 8 + sd->from.cap + sd->moved.cap + sd->old_id.cap + sd->anchors.cap +
                    sd->spreads.cap + bins_bytes(&sd->anchor_bins) +
                    sd->strain.cap * STRAIN_SUMS * sizeof *sd->strain.sum + stiffness_bytes(&sd->stiff) +
-                   sd->reacted.cap * sizeof *sd->reacted.item;
+                   sd->reacted.cap * sizeof *sd->reacted.item +
+                   (sd->loading != NULL ? sizeof *sd->loading : 0) + load_sums_bytes(&sd->load_sums);
     for (int r = 0; r < sd->map.ranks; r++)
         bytes += sd->neighbours[r].send.cap * sizeof(uint32_t) +
                  (sd->neighbours[r].migrants.cap + sd->neighbours[r].mirrors.cap) * sizeof(struct element) +
@@ -244,7 +250,11 @@ enum dm2_status subdomain_forces(struct subdomain *sd, bool measure, struct dm2_
     subdomain_beat(sd);
     if (m->has_drives)
         drive_set(m, sd->step, sd->drives);
-    enum dm2_status status = m->has_kinds ? phase_account(m, &sd->p, &sd->lists, sd->step, err) : DM2_OK;
+    enum dm2_status status = sd->loading != NULL ? loading_kick(sd->loading, err) : DM2_OK;
+    if (sd->loading != NULL)
+        loading_drive(sd->loading, sd->drives);
+    if (status == DM2_OK && m->has_kinds)
+        status = phase_account(m, &sd->p, &sd->lists, sd->step, err);
     if (status == DM2_OK && sd->pass.ahead)
         status = force_rest(&sd->pass, &sd->lists, sd->step, err);
     else if (status == DM2_OK)
@@ -260,11 +270,29 @@ enum dm2_status subdomain_forces(struct subdomain *sd, bool measure, struct dm2_
                                    &sd->reacted, err);
     if (status == DM2_OK && pressure)
         leapfrog_set_pressure(m, &sd->p);
+    if (status == DM2_OK && sd->loading != NULL)
+        load_sums_add(&sd->load_sums, m, &sd->p, &sd->lists);
     if (status == DM2_OK && sd->model->has_strain)
         status = strain_add(sd->model, &sd->p, &sd->lists, leapfrog_path_time(sd->model, sd->step), sd->step,
                             &sd->strain, err);
     sd->times.forces += clock_now() - started;
     return status;
+}
+
+const struct load_totals *subdomain_load_totals(const struct subdomain *sd)
+{
+    return sd->load_sums.own;
+}
+
+void subdomain_take_totals(struct subdomain *sd, const struct load_totals *totals)
+{
+    if (sd->loading != NULL)
+        loading_take(sd->loading, totals);
+}
+
+struct loading *subdomain_loading(const struct subdomain *sd)
+{
+    return sd->loading;
 }
 
 static enum dm2_status integrate_motion(struct subdomain *sd, bool drift, double *dmax, struct measures *out,
@@ -391,6 +419,9 @@ enum dm2_status subdomain_write(const struct subdomain *sd, subdomain_writer wri
                               .pair = read_pair};
     if (status == DM2_OK)
         status = subdomain_collect_sections(sd, view.sections, err);
+    if (status == DM2_OK && sd->loading != NULL &&
+        !loading_collect(sd->loading, &view.sections[SECTION_BODY]))
+        status = subdomain_no_memory(sd, err);
     if (status == DM2_OK)
         status = write(context, &view, err);
     section_free(view.sections);

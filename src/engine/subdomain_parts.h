@@ -24,6 +24,8 @@
 #include "cells.h"
 #include "force.h"
 #include "lists.h"
+#include "load_sums.h"
+#include "loading_parts.h"
 #include "pair_pass.h"
 #include "particles.h"
 #include "reaction.h"
@@ -88,6 +90,8 @@ struct subdomain {
     struct stiffness_sums stiff;
     struct stiffness stiffness;   /* of the last row of the history, or of step 0 */
     struct reaction_sums reacted; /* of the last evaluation */
+    struct loading *loading;      /* of the bodies under force; NULL: there are none */
+    struct load_sums load_sums;   /* of the last evaluation, where there are such bodies */
     struct subdomain_times times;
 };
 

@@ -9,6 +9,7 @@
 #include "dm2/base/grid.h"
 #include "dm2/deck/config.h"
 #include "dm2/engine/model.h"
+#include "forced.h"
 #include "law.h"
 #include "motion.h"
 
@@ -88,8 +89,11 @@ struct model {
     const char *dt_mode; /* the mode that limits dt_stable */
     size_t dt_kinds[2];  /* the kinds of the pair that limits dt_stable */
     size_t n_elements, n_grains;
-    uint32_t *body_first;  /* [n_bodies + 1] id of the first element of each body; last n_elements */
-    uint32_t *grain_first; /* [n_grains + 1] likewise of each grain */
+    size_t n_forced;            /* bodies that move by forces */
+    struct forced_body *forced; /* [n_forced]; NULL where there are none */
+    uint8_t *forced_of;         /* [movers] index in `forced` plus 1; 0: moves by no force; NULL likewise */
+    uint32_t *body_first;       /* [n_bodies + 1] id of the first element of each body; last n_elements */
+    uint32_t *grain_first;      /* [n_grains + 1] likewise of each grain */
     struct fixed_scales fixed;
     struct measure_scales scales;
     int64_t n_start;                  /* the step and the time at which the stage begins */

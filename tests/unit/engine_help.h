@@ -156,6 +156,18 @@ static inline void engine_rebuild(struct engine *g)
     rebuild_plan_done(&g->plan);
 }
 
+/* The totals of the bodies under force, of all ranks to all ranks. */
+static inline void engine_take_totals(struct engine *g)
+{
+    struct load_totals sum[FORCED_MAX] = {{.contacts = 0}};
+    size_t n = model_forced(g->model);
+    for (int r = 0; r < g->map.ranks; r++)
+        for (size_t i = 0; i < n; i++)
+            load_totals_merge(&sum[i], &subdomain_load_totals(g->sd[r])[i]);
+    for (int r = 0; r < g->map.ranks; r++)
+        subdomain_take_totals(g->sd[r], sum);
+}
+
 /* The second half of a step: leapfrog and exchange. *out (may be NULL) merges the measures of the ranks. */
 static inline enum dm2_status engine_move(struct engine *g, struct measures *out)
 {
@@ -179,6 +191,7 @@ static inline enum dm2_status engine_move(struct engine *g, struct measures *out
         if (out != NULL)
             measures_merge(out, &part);
     }
+    engine_take_totals(g);
     for (int r = 0; r < g->map.ranks && g->ahead; r++)
         subdomain_forces_ahead(g->sd[r], g->ahead_measures);
     if (rebuild_plan_step(&g->plan, dmax, survey ? &spread : NULL))

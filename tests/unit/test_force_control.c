@@ -1,5 +1,5 @@
-/* The equation of a body under a force, against the cubic of its difference equation, its stability limits, its
- * overshoot, and free motion. */
+/* The equation of a body under a force, against the cubic of its difference equation, its stability limits,
+ * its overshoot, and free motion. */
 #include "check.h"
 #include "engine/force_control.h"
 
@@ -16,6 +16,14 @@ static struct control_constants on_spring(double w, double zeta)
                                       .reset = INFINITY};
 }
 
+/* A kick and a drift. */
+static void step(const struct control_constants *c, double load, double weight,
+                 const struct control_response *r, struct control_state *s)
+{
+    control_kick(c, load, weight, r, s);
+    control_drift(c, s);
+}
+
 enum { STEPS = 4000 };
 
 /* x[n], cm: from rest at x[0] under the constant load P, pushed back by k x of two steps before. */
@@ -25,7 +33,7 @@ static void let_go(const struct control_constants *c, double load, double start,
     x[0] = start;
     for (int n = 0; n + 1 < STEPS; n++) {
         struct control_response r = {.force = -k * x[n < 2 ? 0 : n - 2], .contacts = 1.0};
-        control_step(c, load, 0.0, &r, &s);
+        step(c, load, 0.0, &r, &s);
         x[n + 1] = s.shift;
     }
 }
@@ -95,7 +103,7 @@ TEST(free_motion)
     int n = 10000;
     for (int i = 0; i < n; i++) {
         s.velocity = i == 0 ? 0.5 * (load + weight) / m * c.dt - (load + weight) / m * c.dt : s.velocity;
-        control_step(&c, load, weight, &nothing, &s);
+        step(&c, load, weight, &nothing, &s);
     }
     double t = n * c.dt;
     CHECK_NEAR_REL(s.shift, (load + weight) * t * t / (2.0 * m), 1e-12);
@@ -103,7 +111,7 @@ TEST(free_motion)
     c.fastest = 1e-3;
     s = (struct control_state){.shift = 0.0};
     for (int i = 0; i < n; i++)
-        control_step(&c, -load, 0.0, &nothing, &s);
+        step(&c, -load, 0.0, &nothing, &s);
     CHECK_SAME_BITS(s.velocity, -1e-3);
 }
 
@@ -116,13 +124,13 @@ TEST(offset_of_the_force)
     struct control_state s = {.shift = 0.0};
     struct control_response r = {.force = 0.9, .contacts = 4.0};
     for (int i = 0; i < 10; i++)
-        control_step(&c, -1.0, 0.0, &r, &s);
+        step(&c, -1.0, 0.0, &r, &s);
     CHECK_NEAR_REL(s.offset, -10.0 * 0.1 / 100.0, 1e-13);
     for (int i = 0; i < 100; i++)
-        control_step(&c, -1.0, 0.0, &r, &s);
+        step(&c, -1.0, 0.0, &r, &s);
     CHECK_SAME_BITS(s.offset, -0.03);
     r = (struct control_response){.force = 0.0};
-    control_step(&c, 1.0, 0.0, &r, &s);
+    step(&c, 1.0, 0.0, &r, &s);
     CHECK_SAME_BITS(s.offset, -0.03);
 }
 
@@ -133,7 +141,7 @@ TEST(body_follows_its_ground)
     struct control_state s = {.shift = 0.0};
     struct control_response r = {.force = 1.0, .speed = -0.01, .contacts = 5.0};
     for (int i = 0; i < 1000; i++)
-        control_step(&c, -1.0, 0.0, &r, &s);
+        step(&c, -1.0, 0.0, &r, &s);
     CHECK_NEAR_REL(s.velocity, -0.009, 1e-12);
 }
 

@@ -15,6 +15,7 @@
 #include "dm2/base/status.h"
 #include "dm2/cluster/decomposition.h"
 #include "dm2/deck/deck.h"
+#include "dm2/engine/load_totals.h"
 #include "dm2/engine/measures.h"
 #include "dm2/engine/overlap.h"
 #include "dm2/engine/rebuild.h"
@@ -140,17 +141,21 @@ struct step_message {
     struct crack_part cracks; /* of the evaluation of the state step - 1 */
     struct spread spread;
     struct measures measures;
-    uint64_t hash; /* of the server's part of the state `step` */
+    uint64_t hash;                        /* of the server's part of the state `step` */
+    size_t n_loads;                       /* 0 also in a STEP that a redo asked for */
+    struct load_totals loads[FORCED_MAX]; /* of the server's elements, in evaluation step - 1 */
     uint32_t n_segments;
 };
 
 struct next_message {
     int64_t step;
-    bool redo;         /* send the same step again as a rebuild; no segments */
-    bool rebuild_next; /* the next step ends with a rebuild */
-    bool copy_next;    /* the server sends the state with the next step */
-    bool survey_next;  /* the server sends its spread with the next step */
-    bool ends;         /* the run ends two steps later */
+    bool redo;                            /* send the same step again as a rebuild; no segments */
+    bool rebuild_next;                    /* the next step ends with a rebuild */
+    bool copy_next;                       /* the server sends the state with the next step */
+    bool survey_next;                     /* the server sends its spread with the next step */
+    bool ends;                            /* the run ends two steps later */
+    size_t n_loads;                       /* 0 also where `redo` is set */
+    struct load_totals loads[FORCED_MAX]; /* of all servers, of the STEP that this NEXT answers */
     uint32_t n_segments;
 };
 

@@ -294,8 +294,8 @@ const char *config_mover_name(const struct config *c, size_t mover);
 /* The load with this quantity of this mover; NULL: none. */
 const struct load_config *config_load(const struct config *c, size_t mover, enum load_quantity quantity);
 
-/* Does the body follow a table of velocities or spins, or turn, so that its elements have homes, from which
- * their places are worked out? */
+/* Does the body follow a table of velocities or spins, a force or a stress, or turn, so that its elements
+ * have homes and their places are worked out from these? */
 bool config_is_placed(const struct config *c, size_t body);
 /* The number of probes of regions. */
 size_t config_regions(const struct config *c);

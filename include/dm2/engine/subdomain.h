@@ -30,6 +30,8 @@
 #include "dm2/engine/crack.h"
 #include "dm2/engine/domain_map.h"
 #include "dm2/engine/element.h"
+#include "dm2/engine/load_totals.h"
+#include "dm2/engine/loading.h"
 #include "dm2/engine/measures.h"
 #include "dm2/engine/model.h"
 #include "dm2/engine/profile.h"
@@ -83,6 +85,17 @@ void subdomain_forces_ahead(struct subdomain *sd, bool measure);
  */
 enum dm2_status subdomain_move(struct subdomain *sd, double *dmax, struct measures *out,
                                struct dm2_error *err);
+
+/* The totals of the bodies under force, [model_forced], by the owned elements, at the last subdomain_forces.
+ */
+const struct load_totals *subdomain_load_totals(const struct subdomain *sd);
+
+/* Takes the totals of all subdomains, [model_forced], of the step before subdomain_step. To be called after
+ * every subdomain_move where the deck has bodies under force. */
+void subdomain_take_totals(struct subdomain *sd, const struct load_totals *totals);
+
+/* The states of the bodies under force; NULL where there are none. */
+struct loading *subdomain_loading(const struct subdomain *sd);
 
 /* The displacements of the owned elements since the last rebuild, for struct rebuild_plan. out->close
  * includes the mirrored elements at their positions before the last move. To be called after subdomain_move
@@ -166,8 +179,9 @@ enum dm2_status subdomain_collect(const struct subdomain *sd, struct element *el
 enum dm2_status subdomain_collect_pairs(const struct subdomain *sd, struct pair_record **pairs,
                                         size_t *n_pairs, struct dm2_error *err);
 
-/* Appends to out[SECTION_COUNT] the records of further sections: of owned elements, and on rank 0 those of
- * the run. The caller frees them with section_free, also after a failure. */
+/* Appends to out[SECTION_COUNT] the records of further sections of owned elements. BODY, which is known only
+ * where the totals of all ranks are, comes from loading_collect; subdomain_write has it. The caller frees
+ * them with section_free, also after a failure. */
 enum dm2_status subdomain_collect_sections(const struct subdomain *sd,
                                            struct section_array out[SECTION_COUNT], struct dm2_error *err);
 
