@@ -1,5 +1,6 @@
 /* The part of dm2-seq and dm2-client that a user sees alike in both. */
 #include "run.h"
+#include "run_loads.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -206,6 +207,8 @@ enum dm2_status run_load(const struct run_options *o, struct run *run, struct dm
     }
     if (status == DM2_OK)
         status = build_model(o, run, err);
+    if (status == DM2_OK && !o->quiet)
+        run_loads_warn(o->program, run->model);
     if (status == DM2_OK)
         status = state_origin_build(run->model, &run->origin, err);
     if (status == DM2_OK && o->restart != NULL)
@@ -422,6 +425,7 @@ static void print_run(FILE *to, const struct run_options *o, const struct run *r
         (void)fprintf(to, "elements of '%s' have room for %d of '%s': then %.3g us\n",
                       run->config.bodies[room.body].name, room.count, run->config.bodies[room.other].name,
                       room.dt);
+    run_loads_print(to, run->model);
 }
 
 /* Prints the lines of the subdomains, of their interfaces and of the memory. */

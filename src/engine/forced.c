@@ -25,21 +25,21 @@ static const char *const axis_names[2] = {"x", "y"};
 
 /* --- what the elements of a body cover --- */
 
-struct extent {
+struct body_extent {
     double low[2], high[2]; /* cm */
     double mass;            /* g */
 };
 
-struct extents {
-    struct extent *of; /* [n_bodies] */
-    double least;      /* smallest radius, cm, */
-    double lightest;   /* and the least mass of such an element, g */
+struct body_extents {
+    struct body_extent *of; /* [n_bodies] */
+    double least;           /* smallest radius, cm, */
+    double lightest;        /* and the least mass of such an element, g */
 };
 
 static enum dm2_status add_extent(void *context, const struct element *e, struct dm2_error *err)
 {
-    struct extents *x = context;
-    struct extent *of = &x->of[e->body];
+    struct body_extents *x = context;
+    struct body_extent *of = &x->of[e->body];
     (void)err;
     for (int a = 0; a < 2; a++) {
         of->low[a] = fmin(of->low[a], e->r[a] - e->radius);
@@ -54,14 +54,14 @@ static enum dm2_status add_extent(void *context, const struct element *e, struct
 }
 
 /* Measures all bodies. *x is to be freed by free(x->of), after an error, too. */
-static enum dm2_status find_extents(const struct model *m, struct extents *x, struct dm2_error *err)
+static enum dm2_status find_extents(const struct model *m, struct body_extents *x, struct dm2_error *err)
 {
     size_t n = m->config->n_bodies;
-    *x = (struct extents){.of = mem_zalloc(n, sizeof *x->of), .least = INFINITY};
+    *x = (struct body_extents){.of = mem_zalloc(n, sizeof *x->of), .least = INFINITY};
     if (x->of == NULL)
         return dm2_fail(err, DM2_MEMORY, "no memory for the extents of %zu bodies", n);
     for (size_t b = 0; b < n; b++)
-        x->of[b] = (struct extent){.low = {INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY}};
+        x->of[b] = (struct body_extent){.low = {INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY}};
     return generate_elements(m, add_extent, x, err);
 }
 
@@ -88,7 +88,7 @@ static double find_stiffness(const struct model *m, size_t body)
 }
 
 /* The gap of the movers between[2] along axis `across`, cm, and facing[2]; not above 0 where they overlap. */
-static double find_gap(const struct extents *x, const size_t between[2], int across, size_t facing[2])
+static double find_gap(const struct body_extents *x, const size_t between[2], int across, size_t facing[2])
 {
     bool swapped = x->of[between[0]].low[across] > x->of[between[1]].low[across];
     facing[0] = between[swapped ? 1 : 0];
@@ -97,7 +97,7 @@ static double find_gap(const struct extents *x, const size_t between[2], int acr
 }
 
 /* The length on which a stress acts, at the start, and the movers that bound it. */
-static enum dm2_status find_length(const struct model *m, const struct extents *x, size_t body, int axis,
+static enum dm2_status find_length(const struct model *m, const struct body_extents *x, size_t body, int axis,
                                    struct forced_axis *at, struct dm2_error *err)
 {
     const struct config *c = m->config;
@@ -138,7 +138,8 @@ static double find_greatest(const struct load_config *load)
 /* max_velocity: at this speed a row of the smallest elements, as long as the load, meets a wall with the
  * asked load. */
 static enum dm2_status find_fastest(const struct load_config *load, const struct forced_axis *at,
-                                    const struct extents *x, double n, double *fastest, struct dm2_error *err)
+                                    const struct body_extents *x, double n, double *fastest,
+                                    struct dm2_error *err)
 {
     double most = find_greatest(load) * (at->stress ? at->length : 1.0) + fabs(at->weight);
     *fastest = load->max_velocity;
@@ -153,12 +154,12 @@ static enum dm2_status find_fastest(const struct load_config *load, const struct
 }
 
 /* Fills one axis of the body from its load. */
-static enum dm2_status fill_axis(const struct model *m, const struct extents *x, size_t body, int axis,
+static enum dm2_status fill_axis(const struct model *m, const struct body_extents *x, size_t body, int axis,
                                  const struct load_config *load, struct forced_axis *at,
                                  struct dm2_error *err)
 {
     const struct config *c = m->config;
-    const struct extent *of = &x->of[body];
+    const struct body_extent *of = &x->of[body];
     double dt = c->dt;
     *at = (struct forced_axis){.load = load, .stress = load->quantity >= LOAD_STRESS_XX};
     enum dm2_status status = find_length(m, x, body, axis, at, err);
@@ -187,7 +188,7 @@ static enum dm2_status fill_axis(const struct model *m, const struct extents *x,
 /* --- all loads --- */
 
 /* The forced body of a mover, added where it is new; NULL beyond FORCED_MAX. */
-static struct forced_body *get_forced(struct model *m, const struct extents *x, size_t mover)
+static struct forced_body *get_forced(struct model *m, const struct body_extents *x, size_t mover)
 {
     if (m->forced_of[mover] == 0) {
         if (m->n_forced == FORCED_MAX)
@@ -204,7 +205,7 @@ static struct forced_body *get_forced(struct model *m, const struct extents *x, 
     return &m->forced[m->forced_of[mover] - 1];
 }
 
-static enum dm2_status fill_forced(struct model *m, const struct extents *x, struct dm2_error *err)
+static enum dm2_status fill_forced(struct model *m, const struct body_extents *x, struct dm2_error *err)
 {
     const struct config *c = m->config;
     for (size_t i = 0; i < c->n_loads; i++) {
@@ -238,7 +239,7 @@ enum dm2_status forced_build(struct model *m, struct dm2_error *err)
                            "load %s: a body moves by forces only where all interactions have scope linked, "
                            "because the motion follows from its contacts",
                            first->name);
-    struct extents x;
+    struct body_extents x;
     m->forced = mem_zalloc(FORCED_MAX, sizeof *m->forced);
     m->forced_of = mem_zalloc(config_movers(c), sizeof *m->forced_of);
     enum dm2_status status = find_extents(m, &x, err);
