@@ -108,17 +108,19 @@ static enum dm2_status find_length(const struct model *m, const struct body_exte
     if (load->between[0] != MOVER_NONE) {
         for (int k = 0; k < 2; k++)
             if (load->between[k] >= c->n_bodies || c->bodies[load->between[k]].motion == MOTION_FREE)
-                return config_fail(load->mass_place, err, DM2_DECK,
-                                   "load %s: `between` takes two bodies that are fixed or driven, and %s is "
-                                   "not: name two such bodies, or give `length`",
-                                   load->name, config_mover_name(c, load->between[k]));
+                return config_fail(
+                    load->mass_place, err, DM2_DECK,
+                    "load '%s': `between` takes two bodies that are fixed or driven, and '%s' is "
+                    "not: name two such bodies, or give `length`",
+                    load->name, config_mover_name(c, load->between[k]));
         at->length = find_gap(x, load->between, across, at->facing);
         if (!(at->length > 0.0))
-            return config_fail(load->mass_place, err, DM2_DECK,
-                               "load %s: there is no gap along %s between %s and %s: name two bodies apart, "
-                               "or give `length`",
-                               load->name, axis_names[across], config_mover_name(c, load->between[0]),
-                               config_mover_name(c, load->between[1]));
+            return config_fail(
+                load->mass_place, err, DM2_DECK,
+                "load '%s': there is no gap along %s between '%s' and '%s': name two bodies apart, "
+                "or give `length`",
+                load->name, axis_names[across], config_mover_name(c, load->between[0]),
+                config_mover_name(c, load->between[1]));
     } else if (!isnan(load->length)) {
         at->length = load->length;
     } else if (c->periodic[across]) {
@@ -147,10 +149,11 @@ static enum dm2_status find_fastest(const struct load_config *load, const struct
         *fastest = most / n / sqrt(at->control.stiffness * x->lightest);
     if (*fastest > 0.0)
         return DM2_OK;
-    return config_fail(load->mass_place, err, DM2_DECK,
-                       "load %s is 0 at all times, so no greatest velocity of the body follows from it: give "
-                       "`max_velocity`",
-                       load->name);
+    return config_fail(
+        load->mass_place, err, DM2_DECK,
+        "load '%s' is 0 at all times, so no greatest velocity of the body follows from it: give "
+        "`max_velocity`",
+        load->name);
 }
 
 /* Fills one axis of the body from its load. */
@@ -177,11 +180,11 @@ static enum dm2_status fill_axis(const struct model *m, const struct body_extent
         .reset = reset_factor * dt * (c->size[axis] / (2.0 * x->least))};
     at->share = dt * sqrt(n * k / at->control.mass);
     if (at->share > share_most)
-        return config_fail(load->mass_place, err, DM2_DECK,
-                           "load %s: mass = %g g gives omega dt = %.3g with %.0f contacts, above %g the body "
-                           "throws off what it touches: give at least %.3g g, or leave it out",
-                           load->name, load->mass, at->share, n, share_most,
-                           n * k * (dt * dt) / (share_most * share_most));
+        return config_fail(
+            load->mass_place, err, DM2_DECK,
+            "load '%s': mass = %g g gives omega dt = %.3g with %.0f contacts, above %g the body "
+            "throws off what it touches: give at least %.3g g, or leave it out",
+            load->name, load->mass, at->share, n, share_most, n * k * (dt * dt) / (share_most * share_most));
     return find_fastest(load, at, x, n, &at->control.fastest, err);
 }
 
@@ -205,6 +208,19 @@ static struct forced_body *get_forced(struct model *m, const struct body_extents
     return &m->forced[m->forced_of[mover] - 1];
 }
 
+/* Puts the bodies in the order of movers, that of the records in a state. */
+static void sort_forced(struct model *m)
+{
+    for (size_t i = 1; i < m->n_forced; i++)
+        for (size_t k = i; k > 0 && m->forced[k].mover < m->forced[k - 1].mover; k--) {
+            struct forced_body later = m->forced[k - 1];
+            m->forced[k - 1] = m->forced[k];
+            m->forced[k] = later;
+        }
+    for (size_t i = 0; i < m->n_forced; i++)
+        m->forced_of[m->forced[i].mover] = (uint8_t)(i + 1);
+}
+
 static enum dm2_status fill_forced(struct model *m, const struct body_extents *x, struct dm2_error *err)
 {
     const struct config *c = m->config;
@@ -215,13 +231,14 @@ static enum dm2_status fill_forced(struct model *m, const struct body_extents *x
         struct forced_body *body = get_forced(m, x, load->mover);
         if (body == NULL)
             return config_fail(load->mass_place, err, DM2_DECK,
-                               "load %s: at most %d bodies move by forces or stresses", load->name,
+                               "load '%s': at most %d bodies move by forces or stresses", load->name,
                                FORCED_MAX);
         int axis = load->quantity == LOAD_FORCE_Y || load->quantity == LOAD_STRESS_YY;
         enum dm2_status status = fill_axis(m, x, load->mover, axis, load, &body->axis[axis], err);
         if (status != DM2_OK)
             return status;
     }
+    sort_forced(m);
     return DM2_OK;
 }
 
@@ -236,7 +253,7 @@ enum dm2_status forced_build(struct model *m, struct dm2_error *err)
         return DM2_OK;
     if (m->has_far)
         return config_fail(first->mass_place, err, DM2_DECK,
-                           "load %s: a body moves by forces only where all interactions have scope linked, "
+                           "load '%s': a body moves by forces only where all interactions have scope linked, "
                            "because the motion follows from its contacts",
                            first->name);
     struct body_extents x;

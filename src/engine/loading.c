@@ -155,11 +155,12 @@ static enum dm2_status check_place(const struct loading *l, size_t i, int axis, 
     if (body->axis[axis].load == NULL || c->periodic[axis] ||
         (body->low[axis] + shift < low + 2.0 * size && body->high[axis] + shift > low - size))
         return DM2_OK;
-    return dm2_fail(err, DM2_NUMERIC,
-                    "step %lld: load %s has moved %s by %g cm along %c, further beyond the domain than the "
-                    "domain is long: the body meets nothing that bears the load",
-                    (long long)l->step, body->axis[axis].load->name, config_mover_name(c, body->mover), shift,
-                    axis == 0 ? 'x' : 'y');
+    return dm2_fail(
+        err, DM2_NUMERIC,
+        "step %lld: load '%s' has moved '%s' by %g cm along %c, further beyond the domain than the "
+        "domain is long: the body meets nothing that bears the load",
+        (long long)l->step, body->axis[axis].load->name, config_mover_name(c, body->mover), shift,
+        axis == 0 ? 'x' : 'y');
 }
 
 /* The kick of body i along an axis. */
@@ -239,7 +240,7 @@ bool loading_warns(struct loading *l, char line[LOADING_LINE])
         s->warned = true;
         (void)snprintf(
             line, LOADING_LINE,
-            "warning: step %lld: load %s has moved %s by %.3g cm, and it touches nothing: is there "
+            "warning: step %lld: load '%s' has moved '%s' by %.3g cm, and it touches nothing: is there "
             "a sample in its way?",
             (long long)l->step, load->name, config_mover_name(m->config, body->mover), s->path);
         return true;

@@ -1,0 +1,82 @@
+# A platen under a stress, another body under a force: the same bytes for any number of servers, from a restart, and
+# after the loss of a server; what is said of masses, of a body that meets nothing.
+# labels: e2e bits
+. "$DM2_SRC/tests/lib.sh"
+
+cat >deck.dm2 <<'END'
+let d = 0.02
+let width = 24 * d
+let top = 12 * d
+let load = -0.0005 Mbar
+domain { size = width, top + 4*d; boundary = periodic free; r_c = 1.3*d; delta_r = 0.3*d }
+time { dt = 0.006 us; steps = 600 }
+material al { rho0 = 2.7; c0 = 0.534; s = 1.34; cp = 9e-6 }
+interaction { zeta = 0.2; ct_ratio = 0.05; mu = 0.5; linked = no }
+body floor { shape = rectangle 0, d, width, 2*d; lattice = square; spacing = width/16; radius = d/2
+             origin = d/2, 1.5*d; material = al; motion = driven }
+body lid { shape = rectangle 0, top, width, top + d; lattice = square; spacing = width/16; radius = d/2
+           origin = d/2, top + 0.5*d; material = al; motion = driven; velocity = 0.002, 0 }
+body grains { shape = rectangle 0, 2*d, width, top; structure = discs; grain_size = 1.001*d
+              solid_fraction = 0.75; spacing = d; material = al; seed = 2; jitter = 0.005 }
+load press { body = lid; stress_yy = 0 us, load, 3 us, 2*load; max_velocity = 0.003 }
+load drag { body = floor; force_x = 0 us 0, 2 us 1e-4, 4 us 0; force_y = 0 us 1e-4, 1 us 2e-4 }
+output { history_every = 50; snapshot_at = 0, 300, 600 }
+END
+
+same_run()
+{
+    for file in final.dm2 history.csv snapshots/state-000000300.vtp snapshots/state-000000600.vtp; do
+        same_bytes "whole/$file" "$1/$file"
+    done
+}
+expect_status 0 "$DM2_BIN/dm2-seq" deck.dm2 -q -o whole
+for n in 1 2 3 5; do
+    expect_status 0 "$DM2_BIN/dm2-client" deck.dm2 -n $n -q -o "servers-$n"
+    same_run "servers-$n"
+done
+
+# --- from a state ---
+expect_status 0 "$DM2_BIN/dm2-client" deck.dm2 -n 3 -q -o half --steps 301
+expect_status 0 "$DM2_BIN/dm2-seq" deck.dm2 -q -o rest --restart half/final.dm2
+same_bytes whole/final.dm2 rest/final.dm2
+expect_status 0 "$DM2_BIN/dm2-client" deck.dm2 -n 2 -q -o rest2 --restart half/final.dm2
+same_bytes whole/final.dm2 rest2/final.dm2
+
+# --- a server is lost; the run goes on from a copy, whose totals are the client's ---
+start_server
+one=$SERVER_ADDR
+start_server
+two=$SERVER_ADDR two_pid=$SERVER_PID
+mkfifo hashes
+"$DM2_BIN/dm2-client" deck.dm2 --reconnect 0.1 --server "$one" --server "$two" -o lost --hash-every 1 --copy-every 25 >hashes 2>err </dev/null &
+client_pid=$!
+exec 4<hashes
+count=0
+while [ $count -le 190 ] && IFS= read -r line <&4; do
+    count=$((count + 1))
+done
+kill -KILL "$two_pid"
+cat <&4 >rest.hashes
+exec 4<&-
+wait $client_pid || fail "the client did not go on: $(cat err)"
+same_run lost
+expect_text lost/run.log 'servers lost and made good: 2'
+
+# --- what is said ---
+expect_status 0 "$DM2_BIN/dm2-seq" deck.dm2 --check
+expect_text out "load 'press' moves 'lid' along y: mass"
+sed 's/max_velocity = 0.003/max_velocity = 0.003; mass = 0.006 g/' deck.dm2 >light.dm2
+expect_status 0 "$DM2_BIN/dm2-seq" light.dm2 --check
+expect_text err "warning: load 'press': mass 0.006 g gives omega dt 0."
+sed 's/max_velocity = 0.003/max_velocity = 0.003; mass = 0.001 g/' deck.dm2 >lightest.dm2
+expect_status 2 "$DM2_BIN/dm2-seq" lightest.dm2 --check
+expect_text err "load 'press': mass = 0.001 g gives omega dt = 0."
+expect_text err 'give at least 0.00'
+sed 's/let load = .*/let load = 0.0005 Mbar/; s/max_velocity = 0.003/max_velocity = 0.5/; s/steps = 600/steps = 4000/' \
+    deck.dm2 >away.dm2
+expect_status 1 "$DM2_BIN/dm2-seq" away.dm2 -o away1
+expect_text err "load 'press' has moved 'lid' by 0.2"
+expect_text err "further beyond the domain than the domain is long"
+expect_status 1 "$DM2_BIN/dm2-client" away.dm2 -n 2 -o away2
+expect_text err "load 'press' has moved 'lid' by 0.2"
+expect_text err "further beyond the domain than the domain is long"
