@@ -267,6 +267,20 @@ static enum dm2_status fail_out_of_range(const struct particles *p, size_t i, in
                     p->v[2 * i + 1]);
 }
 
+/* The sums of unwrapped places hold a million times the domain (scales.c), fewer than the counts of turns. */
+static enum dm2_status fail_to_measure(const struct model *m, const struct particles *p, size_t i,
+                                       int64_t step, struct dm2_error *err)
+{
+    for (size_t a = 0; a < 2; a++)
+        if (m->grid.periodic[a] && (p->image[2 * i + a] > 1000000 || p->image[2 * i + a] < -1000000))
+            return dm2_fail(
+                err, DM2_NUMERIC,
+                "step %lld: element %u has gone round the periodic domain %ld times, and the sums "
+                "of the history hold a million: end the run earlier",
+                (long long)step, p->id[i], (long)p->image[2 * i + a]);
+    return fail_out_of_range(p, i, step, "left the range that sums can hold", err);
+}
+
 /* Wraps coordinate `at` of the places, along periodic direction a, into the domain. False where the element
  * has gone round more than IMAGE_MOST times. */
 DM2_INLINE bool wrap_place(const struct model *m, const struct particles *p, size_t at, size_t a)
@@ -391,7 +405,7 @@ enum dm2_status leapfrog_move(const struct model *m, struct particles *p, int64_
     for (size_t i = 0; out != NULL && i < p->n_own; i++) {
         struct kick k = find_kick(m, p, i, dt_kick, m->has_near, m->has_damping, p->drives);
         if (!measure_element(m, p, i, step, &k, out))
-            return fail_out_of_range(p, i, step, "left the range that sums can hold", err);
+            return fail_to_measure(m, p, i, step, err);
     }
     if (!drift)
         return DM2_OK;

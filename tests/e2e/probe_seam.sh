@@ -51,3 +51,29 @@ rm again/final.dm2
 expect_status 0 "$DM2_BIN/dm2-client" -n 2 -q --progress never --restart again/checkpoint.prev.dm2 drift.dm2
 same_bytes run/final.dm2 again/final.dm2
 same_bytes run/history.csv again/history.csv
+
+# Counts hold 2^30 turns either way, the sums of the history a million; more end the run, which says so.
+sed 's/history_every = 100; snapshot_every = 600/history_every = 5000/
+    s/disc 1.5 cm/disc 1 cm/' drift.dm2 >far.dm2
+sed 's/velocity = 0.1,/velocity = -0.1,/' far.dm2 >back.dm2
+# turned DECK TURNS STATUS: the run through the seam of an element that has gone round TURNS times before.
+turned()
+{
+    for way in dm2-seq 'dm2-client -n 2'; do
+        rm -rf turned
+        cp -R "${1%.dm2}" turned
+        expect_status 0 "$DM2_BUILD/tools/patch_state" turned/final.dm2 turned/final.dm2 7 image "$2"
+        # shellcheck disable=SC2086 # the words of the program
+        expect_status "$3" "$DM2_BIN/"$way -q "$1" --steps 1300 --restart turned/final.dm2
+    done
+}
+for deck in far.dm2 back.dm2; do
+    expect_status 0 "$DM2_BIN/dm2-seq" -q --steps 100 $deck -o "${deck%.dm2}"
+    sign=
+    [ $deck = far.dm2 ] || sign=-
+    turned $deck ${sign}1000000 0
+    turned $deck ${sign}1073741824 1
+    expect_text err 'element 7 has gone round the periodic domain more than 2^30 times'
+    turned $deck ${sign}1073741823 1
+    expect_text err "step 1300: element 7 has gone round the periodic domain ${sign}1073741824 times, and"
+done
