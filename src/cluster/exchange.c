@@ -158,6 +158,17 @@ enum dm2_status exchange_take_update(struct exchange *x, struct subdomain *sd, s
     return DM2_OK;
 }
 
+/* A value that cannot be ends the run, because the next try would compute it again. */
+static enum dm2_status fail_parcel(const struct exchange *x, int from, const char *why, struct dm2_error *err)
+{
+    if (why[0] == '\0')
+        return dm2_fail(err, DM2_PROTOCOL,
+                        "rank %d got a parcel from rank %d that is cut, or for which there is no memory",
+                        x->rank, from);
+    return dm2_fail(err, DM2_NUMERIC, "rank %d got a parcel from rank %d with a value that cannot be: %s",
+                    x->rank, from, why);
+}
+
 enum dm2_status exchange_take_rebuild(struct exchange *x, struct subdomain *sd, struct bytes_reader *r,
                                       uint32_t count, struct dm2_error *err)
 {
@@ -171,14 +182,12 @@ enum dm2_status exchange_take_rebuild(struct exchange *x, struct subdomain *sd, 
             status = fail_segments(x, err);
             break;
         }
+        char why[BYTES_WHY] = "";
+        segment.why = why;
         wire_get_parcel(&segment, &x->limits, &x->in[n]);
         if (!bytes_done(&segment)) {
             wire_parcel_free(&x->in[n]);
-            status = dm2_fail(err, DM2_PROTOCOL,
-                              "rank %d got a parcel from rank %d that does not decode: it is cut, or a "
-                              "number in it is not finite "
-                              "or cannot be",
-                              x->rank, from);
+            status = fail_parcel(x, from, why, err);
             break;
         }
         n++;

@@ -35,7 +35,7 @@ enum dm2_status exchange_pack_rebuild(struct exchange *x, struct subdomain *sd, 
                                       uint32_t *count, uint64_t *migrants, struct dm2_error *err);
 
 /* Takes `count` segments, which must fill the rest of r. DM2_PROTOCOL where a segment is missing, cut,
- * doubled, for another rank, of a wrong length, or does not decode; DM2_MEMORY; otherwise as
+ * doubled, for another rank or of a wrong length; DM2_NUMERIC: a value cannot be; DM2_MEMORY; otherwise as
  * subdomain_take_update and subdomain_take_in. */
 enum dm2_status exchange_take_update(struct exchange *x, struct subdomain *sd, struct bytes_reader *r,
                                      uint32_t count, struct dm2_error *err);

@@ -69,6 +69,8 @@ static enum dm2_status take_part(struct received_state *in, const struct model *
                                  const struct state_message *m, struct bytes_reader *r, struct dm2_error *err)
 {
     const struct record_limits limits = record_limits_of(model);
+    char why[BYTES_WHY] = "";
+    r->why = why;
     if (!m->last && state_message_empty(m))
         return dm2_fail(err, DM2_PROTOCOL, "the client sent an empty part of a state");
     if ((uint64_t)in->n_pairs + m->n_pairs > WIRE_PAIRS_MOST * (uint64_t)limits.elements)
@@ -89,6 +91,9 @@ static enum dm2_status take_part(struct received_state *in, const struct model *
     enum dm2_status status = DM2_OK;
     for (int k = 0; k < SECTION_COUNT && status == DM2_OK; k++)
         status = section_get((enum section)k, r, m->sections[k], &limits, &in->sections[k], err);
+    r->why = NULL;
+    if (status == DM2_OK && why[0] != '\0')
+        return dm2_fail(err, DM2_NUMERIC, "the client's state has a value that cannot be: %s", why);
     return status != DM2_OK || bytes_done(r) ? status : server_not_decoded("STATE", err);
 }
 

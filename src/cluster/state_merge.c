@@ -46,19 +46,26 @@ static enum dm2_status allocate_arrays(struct state_merge *m, struct dm2_error *
     return dm2_fail(err, DM2_MEMORY, "no memory to compile a state of %zu elements", n);
 }
 
-static enum dm2_status fail_record(struct dm2_error *err)
+/* A value that cannot be ends the run, because another server would compute it again. */
+static enum dm2_status fail_record(const char *why, struct dm2_error *err)
 {
-    return dm2_fail(err, DM2_PROTOCOL, "a part of a state does not decode");
+    return why[0] == '\0'
+               ? dm2_fail(err, DM2_PROTOCOL, "a part of a state is cut or too long")
+               : dm2_fail(err, DM2_NUMERIC, "a part of a state has a value that cannot be: %s", why);
 }
 
 enum dm2_status state_merge_add(struct state_merge *m, const struct state_message *head,
-                                struct bytes_reader *r, struct dm2_error *err)
+                                const struct bytes_reader *from, struct dm2_error *err)
 {
+    char why[BYTES_WHY] = "";
+    struct dm2_error fault = {0};
+    struct bytes_reader reader = *from, *r = &reader;
     enum dm2_status status = allocate_arrays(m, err);
+    reader.why = why;
     if (status != DM2_OK)
         return status;
     if (bytes_remaining(r) / WIRE_ELEMENT < head->n_elements)
-        return fail_record(err);
+        return fail_record("", err);
     if ((uint64_t)m->n_pairs + head->n_pairs > WIRE_PAIRS_MOST * (uint64_t)m->limits.elements)
         return dm2_fail(err, DM2_PROTOCOL, "a state came with more than %d pairs per element",
                         WIRE_PAIRS_MOST);
@@ -69,9 +76,9 @@ enum dm2_status state_merge_add(struct state_merge *m, const struct state_messag
         struct element e;
         wire_get_element(r, &m->limits, &e);
         if (r->failed) {
-            status = fail_record(err);
+            status = fail_record(why, err);
         } else if (m->seen[e.id]) {
-            status = dm2_fail(err, DM2_PROTOCOL, "element %u came twice: two servers own it", e.id);
+            status = dm2_fail(err, DM2_NUMERIC, "element %u came twice: two servers own it", e.id);
         } else {
             m->seen[e.id] = 1;
             m->n_seen++;
@@ -92,8 +99,12 @@ enum dm2_status state_merge_add(struct state_merge *m, const struct state_messag
     for (size_t k = 0; k < head->n_pairs; k++)
         wire_get_pair(r, &m->limits, &m->pairs[m->n_pairs++]);
     for (int k = 0; k < SECTION_COUNT && status == DM2_OK; k++)
-        status = section_get((enum section)k, r, head->sections[k], &m->limits, &m->sections[k], err);
-    return status != DM2_OK || bytes_done(r) ? status : fail_record(err);
+        status = section_get((enum section)k, r, head->sections[k], &m->limits, &m->sections[k], &fault);
+    if (status == DM2_PROTOCOL)
+        return fail_record(fault.text, err);
+    if (status != DM2_OK)
+        return dm2_fail(err, status, "%s", fault.text);
+    return bytes_done(r) ? DM2_OK : fail_record(why, err);
 }
 
 /* Returns m->pairs sorted in a new array, or NULL without memory. */

@@ -29,11 +29,12 @@ void state_merge_free(struct state_merge *m);
 /* Forgets all records, for the next state. */
 void state_merge_clear(struct state_merge *m);
 
-/* Adds one part: the records that follow `head` in a STATE message. DM2_PROTOCOL: a record is invalid, or an
- * element came twice (its id is named), or the state has more than WIRE_PAIRS_MOST pairs per element of the
- * run (checked before memory is allocated for the pairs); DM2_MEMORY. */
+/* Adds one part: the records that follow `head` in a STATE message, read with a copy of *from. DM2_NUMERIC: a
+ * record is invalid, or an element came twice (its id is named); DM2_PROTOCOL: the part is cut or too long,
+ * or the state has more than WIRE_PAIRS_MOST pairs per element of the run (checked before memory is allocated
+ * for the pairs); DM2_MEMORY. */
 enum dm2_status state_merge_add(struct state_merge *m, const struct state_message *head,
-                                struct bytes_reader *r, struct dm2_error *err);
+                                const struct bytes_reader *from, struct dm2_error *err);
 
 /* Completes the state after its last part: sorts pairs and sections. DM2_PROTOCOL: an element is missing (the
  * first id is named), or a pair or record came twice; DM2_MEMORY. */

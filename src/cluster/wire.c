@@ -2,10 +2,12 @@
  *
  * For each record but the element, put and get list the same fields in the same order, side by side; the
  * tests check the sizes in the header. A failed reader stays failed, so the checks here only ever set
- * r->failed. */
+ * r->failed, and the first failure r->why. */
 #include "dm2/cluster/wire.h"
 
+#include <inttypes.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,6 +18,24 @@ static void fail_unless(struct bytes_reader *r, bool holds)
 {
     if (!holds)
         r->failed = true;
+}
+
+/* Fails because of a value; the sentence is `what`, the id, and `text`. */
+static void refuse(struct bytes_reader *r, const char *what, uint32_t id, const char *text)
+{
+    if (!r->failed && r->why != NULL)
+        (void)snprintf(r->why, BYTES_WHY, "%s %" PRIu32 " %s", what, id, text);
+    r->failed = true;
+}
+
+static void check_element(struct bytes_reader *r, const struct record_limits *limits, const struct element *e)
+{
+    char text[RECORD_FAULT_TEXT];
+    const struct element_field *fault = r->failed ? NULL : record_fault(e, limits);
+    if (fault == NULL)
+        return;
+    record_describe_fault(fault, e, limits, text);
+    refuse(r, "element", e->id, text);
 }
 
 static double get_finite(struct bytes_reader *r)
@@ -38,13 +58,13 @@ void wire_put_element(struct bytes_writer *w, const struct element *e)
 void wire_get_mirror(struct bytes_reader *r, const struct record_limits *limits, struct element *out)
 {
     record_get(r, RECORD_MIRROR, out);
-    fail_unless(r, record_fault(out, limits) == NULL);
+    check_element(r, limits, out);
 }
 
 void wire_get_element(struct bytes_reader *r, const struct record_limits *limits, struct element *out)
 {
     record_get(r, RECORD_OWNED, out);
-    fail_unless(r, record_fault(out, limits) == NULL);
+    check_element(r, limits, out);
 }
 
 void wire_put_pair(struct bytes_writer *w, const struct pair_record *p)
@@ -63,7 +83,10 @@ void wire_get_pair(struct bytes_reader *r, const struct record_limits *limits, s
     out->linked = bytes_get_u8(r);
     out->stretch = bytes_get_f64(r);
     out->spring = bytes_get_f64(r);
-    fail_unless(r, record_pair_valid(out, limits, NULL));
+    char what[40], text[RECORD_FAULT_TEXT];
+    (void)snprintf(what, sizeof what, "the pair of element %" PRIu32 " and", out->id_a);
+    if (!record_pair_valid(out, limits, text))
+        refuse(r, what, out->id_b, text);
 }
 
 void wire_put_crack(struct bytes_writer *w, const struct crack *c)
@@ -309,7 +332,9 @@ static void get_homes(struct bytes_reader *r, const struct record_limits *limits
         kind->get(r, &home);
         while (at < p->n_migrants && p->migrants[at].id != home.id)
             at++;
-        fail_unless(r, at < p->n_migrants && kind->valid(&home, limits, NULL));
+        char text[RECORD_FAULT_TEXT] = "is of no migrant";
+        if (at >= p->n_migrants || !kind->valid(&home, limits, text))
+            refuse(r, "the home of element", home.id, text);
         if (!r->failed)
             memcpy(p->migrants[at].home, home.home, sizeof home.home);
     }

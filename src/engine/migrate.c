@@ -128,7 +128,7 @@ struct intake {
 
 static enum dm2_status refuse_duplicate(const struct subdomain *sd, uint32_t id, struct dm2_error *err)
 {
-    return dm2_fail(err, DM2_PROTOCOL, "step %lld: element %u came twice to server %d", (long long)sd->step,
+    return dm2_fail(err, DM2_NUMERIC, "step %lld: element %u came twice to server %d", (long long)sd->step,
                     id, sd->rank);
 }
 
@@ -254,7 +254,7 @@ static enum dm2_status gather_parcels(struct subdomain *sd, const struct parcel 
         for (size_t k = 0; k < parcels[q].n_migrants; k++) {
             const struct element *e = &parcels[q].migrants[k];
             if (!kinds_known(sd->model, e) || sd->map.owner[subdomain_cell_at(sd, e->r)] != sd->rank)
-                return dm2_fail(err, DM2_PROTOCOL,
+                return dm2_fail(err, DM2_NUMERIC,
                                 "step %lld: element %u at (%g, %g) cm came to server %d, which does not own "
                                 "its cell",
                                 (long long)sd->step, e->id, e->r[0], e->r[1], sd->rank);
@@ -265,7 +265,7 @@ static enum dm2_status gather_parcels(struct subdomain *sd, const struct parcel 
             int cell = subdomain_cell_at(sd, e->r);
             if (!kinds_known(sd->model, e) || sd->cells.local_of[cell] < sd->cells.n_own)
                 return dm2_fail(
-                    err, DM2_PROTOCOL,
+                    err, DM2_NUMERIC,
                     "step %lld: element %u at (%g, %g) cm came as a mirror to server %d, which does "
                     "not mirror its cell",
                     (long long)sd->step, e->id, e->r[0], e->r[1], sd->rank);

@@ -146,7 +146,7 @@ static inline bool subdomain_surveys_close(const struct subdomain *sd)
 
 /* Puts the stayers among the owned elements (sd->cell_of not -1) and the elements of the parcels into slots
  * in cell order, and hands the memory of pairs over to the lists to be built. With `initial` there are no old
- * lists. DM2_MEMORY; DM2_NUMERIC: too many elements; DM2_PROTOCOL as subdomain_take_in. */
+ * lists. DM2_MEMORY; DM2_NUMERIC as subdomain_take_in. */
 enum dm2_status migrate_arrange(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels,
                                 bool initial, struct dm2_error *err);
 

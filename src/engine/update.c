@@ -103,10 +103,10 @@ static bool is_in_domain(const struct grid *g, const double r[2])
 
 /* Fails because of `what` in the update of the mirror in slot i, before its position changes. */
 static enum dm2_status refuse_update(const struct subdomain *sd, size_t i, int src, const char *what,
-                                     enum dm2_status status, struct dm2_error *err)
+                                     struct dm2_error *err)
 {
     const double *r = &sd->p.r[2 * i];
-    return dm2_fail(err, status,
+    return dm2_fail(err, DM2_NUMERIC,
                     "step %lld: the update of element %u from server %d, last at (%g, %g) cm, %s",
                     (long long)sd->step, sd->p.id[i], src, r[0], r[1], what);
 }
@@ -122,11 +122,11 @@ enum dm2_status subdomain_take_update(struct subdomain *sd, int src, const doubl
         for (size_t k = 0; k < width; k++)
             check += in[k] * 0.0; /* NaN where a value is not finite */
         if (check != 0.0 || check != check)
-            return refuse_update(sd, i, src, "is not finite", DM2_NUMERIC, err);
+            return refuse_update(sd, i, src, "is not finite", err);
         if (!is_near(&m->grid, &period, in, &p->r[2 * i]))
-            return refuse_update(sd, i, src, "puts it further than a cell edge away", DM2_NUMERIC, err);
+            return refuse_update(sd, i, src, "puts it further than a cell edge away", err);
         if (!is_in_domain(&m->grid, in))
-            return refuse_update(sd, i, src, "puts it outside the periodic domain", DM2_PROTOCOL, err);
+            return refuse_update(sd, i, src, "puts it outside the periodic domain", err);
         size_t k = 2;
         p->r[2 * i] = in[0];
         p->r[2 * i + 1] = in[1];
@@ -141,12 +141,11 @@ enum dm2_status subdomain_take_update(struct subdomain *sd, int src, const doubl
         if (m->has_pressure)
             p->p[i] = in[k++];
         if (m->has_kinds && !take_kind(m, p, i, in[k++]))
-            return refuse_update(sd, i, src, "names a kind that the element cannot become", DM2_PROTOCOL,
-                                 err);
+            return refuse_update(sd, i, src, "names a kind that the element cannot become", err);
         for (size_t a = 0; a < 2 && m->reaction.any; a++, k++) {
             if (!(in[k] >= 0.0 && in[k] <= p->share[2 * i + a]))
                 return refuse_update(sd, i, src, "has a share of a reactant that is negative or has grown",
-                                     DM2_PROTOCOL, err);
+                                     err);
             p->share[2 * i + a] = in[k];
         }
         if (m->has_heat || m->has_kinds)

@@ -55,6 +55,23 @@ for spoil in '0 nan' '1 inf' '2 -inf' '3 nan' '0 1e300' '1 -9'; do
     [ ! -f spoiled/final.dm2 ] && [ ! -f spoiled/history.csv ] || fail "$spoil: results"
 done
 
+# Nor does a server that gets a parcel with an element that cannot be, whoever sent the parcel.
+mkdir forging
+ln -s "$DM2_BUILD/failing/forging-server" forging/dm2-server
+ln -s "$DM2_BIN/dm2-client" forging/dm2-client
+for forge in mass twice; do
+    rm -rf forged
+    expect_status 1 env DM2_FORGE=$forge \
+        forging/dm2-client "$deck" -q -n 2 -o forged --checkpoint-every 2
+    case $forge in
+    mass) why='got a parcel from rank . with a value that cannot be: element [0-9]* has mass .*expected' ;;
+    *) why='element [0-9]* came twice to server [01]' ;;
+    esac
+    grep -q "server [01] of 2, step [0-9]*: .*$why" err || { cat err; fail "$forge: nobody sees it"; }
+    ! grep -q 'going on' err || { cat err; fail "$forge: the server counts as lost"; }
+    expect_text err 'the last checkpoint is of step '
+done
+
 # Two runs part where an element reaches a side that is open in one run only.
 sed 's/boundary = periodic periodic/boundary = free free/' "$deck" >open.dm2
 expect_status 0 "$DM2_BIN/dm2-client" open.dm2 -n 2 -q --steps 120 --hash-every 10 -o open

@@ -130,7 +130,7 @@ TEST(sections_are_merged)
     CHECK_CONTAINS(err.text, "section BODY: record 1 is out of order or there twice");
     state_merge_free(&m);
     state_merge_open(&m, plain);
-    CHECK_EQ_INT(add_message(&m, &w, &err), DM2_PROTOCOL);
+    CHECK_EQ_INT(add_message(&m, &w, &err), DM2_NUMERIC);
     CHECK_CONTAINS(err.text, "section HOME is there, and the deck has nothing for it");
     state_merge_free(&m);
     free((void *)(uintptr_t)view.elements);

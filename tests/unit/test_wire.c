@@ -109,11 +109,17 @@ static void check_refused(struct element e, bool mirrored)
     wire_get_element(&r, &limits, &got);
     CHECK(r.failed);
     for (int k = 0; k < (mirrored ? 2 : 1); k++) {
+        char why[BYTES_WHY] = "", id[40], text[RECORD_FAULT_TEXT];
+        (void)snprintf(id, sizeof id, "element %u ", e.id);
+        record_describe_fault(record_fault(&e, &limits), &e, &limits, text);
         bytes_clear(&w);
         wire_put_parcel(&w, &parcels[k]);
         r = bytes_reader_of(w.data, w.length);
+        r.why = why;
         wire_get_parcel(&r, &limits, &in);
         CHECK(r.failed && in.migrants == NULL && in.mirrors == NULL);
+        CHECK_CONTAINS(why, id);
+        CHECK_CONTAINS(why, text);
     }
     bytes_free(&w);
 }
@@ -168,8 +174,11 @@ static void check_pair_refused(struct pair_record p)
     struct bytes_writer w = {0};
     wire_put_pair(&w, &p);
     struct bytes_reader r = bytes_reader_of(w.data, w.length);
+    char why[BYTES_WHY] = "";
+    r.why = why;
     wire_get_pair(&r, &limits, &p);
     CHECK(r.failed);
+    CHECK_CONTAINS(why, "the pair of element ");
     bytes_free(&w);
 }
 
@@ -549,7 +558,7 @@ TEST(a_state_is_compiled_from_parts)
             CHECK_EQ_INT(m.elements[k].id, k);
         CHECK_EQ_INT(m.n_pairs, 3);
         CHECK(m.pairs[0].id_b == 1 && m.pairs[1].id_b == 9 && m.pairs[2].id_a == 6);
-        CHECK_EQ_INT(add_part(&m, 4, 1, (struct pair_record){0, 1, 1, 0, 0}, &err), DM2_PROTOCOL);
+        CHECK_EQ_INT(add_part(&m, 4, 1, (struct pair_record){0, 1, 1, 0, 0}, &err), DM2_NUMERIC);
         CHECK_CONTAINS(err.text, "element 4 came twice");
     }
     state_merge_clear(&m);
@@ -573,6 +582,8 @@ TEST(a_state_with_an_invalid_element)
     struct element wrong[] = {some_element(3), some_element(3)};
     wrong[0].share[1] = 7;
     wrong[1].probes = 1 << 6;
+    static const char *const why[] = {"element 3 has share 7, 0 to 1 is expected",
+                                      "element 3 belongs to probe 6, counted from 0; the deck has"};
     for (int k = 0; k < 2; k++) {
         struct state_merge m;
         struct bytes_writer w = {0};
@@ -580,9 +591,13 @@ TEST(a_state_with_an_invalid_element)
         state_merge_open(&m, limits);
         wire_put_element(&w, &wrong[k]);
         struct bytes_reader r = bytes_reader_of(w.data, w.length);
-        CHECK_EQ_INT(state_merge_add(&m, &head, &r, &err), DM2_PROTOCOL);
-        CHECK_CONTAINS(err.text, "a part of a state does not decode");
+        CHECK_EQ_INT(state_merge_add(&m, &head, &r, &err), DM2_NUMERIC);
+        CHECK_CONTAINS(err.text, why[k]);
+        CHECK_CONTAINS(err.text, "a part of a state has a value that cannot be: element 3 ");
         CHECK_EQ_INT(m.n_seen, 0);
+        r = bytes_reader_of(w.data, 20);
+        CHECK_EQ_INT(state_merge_add(&m, &head, &r, &err), DM2_PROTOCOL);
+        CHECK_CONTAINS(err.text, "a part of a state is cut");
         state_merge_free(&m);
         bytes_free(&w);
     }

@@ -43,7 +43,10 @@ struct bytes_reader {
     const unsigned char *data;
     size_t length, at;
     bool failed; /* a get asked for more bytes than remain, or a count or text was invalid */
+    char *why; /* NULL, or BYTES_WHY bytes of the caller, "" at first: a decoder says which value cannot be */
 };
+
+enum { BYTES_WHY = 240 };
 
 /* A cursor at the start of data[0 .. length). The number of bytes that remain, 0 after a failure. */
 struct bytes_reader bytes_reader_of(const void *data, size_t length);

@@ -4,7 +4,8 @@
  *
  * The get functions check each record: elements by record_fault, pairs for their order and for ids below
  * limits->elements, every double of an element, a pair and a measure for being finite. An invalid record
- * makes the reader fail (r->failed), as a cut message does. */
+ * makes the reader fail (r->failed), as a cut message does; r->why then names element, field, value and what
+ * is expected, and is "" where the message is cut or there is no memory. */
 #ifndef DM2_CLUSTER_WIRE_H
 #define DM2_CLUSTER_WIRE_H
 

@@ -139,8 +139,9 @@ size_t subdomain_receive_count(const struct subdomain *sd, int src);
 /* Writes the update for `dest` to out[send_count][update_width]. */
 void subdomain_pack_update(const struct subdomain *sd, int dest, double *out);
 
-/* Takes the update in[receive_count][update_width] from `src`. DM2_NUMERIC: a value is not finite, or an
- * element is more than two cell edges from its position before; DM2_PROTOCOL: a kind is unknown. */
+/* Takes the update in[receive_count][update_width] from `src`. DM2_NUMERIC: a value cannot be: it is not
+ * finite, or an element is more than two cell edges from its position before or outside the periodic domain,
+ * cannot become its kind, or has more of a reactant than before. */
 enum dm2_status subdomain_take_update(struct subdomain *sd, int src, const double *in, struct dm2_error *err);
 
 /* --- rebuild --- */
@@ -161,8 +162,8 @@ struct parcel {
 enum dm2_status subdomain_sort_out(struct subdomain *sd, struct parcel *parcels, struct dm2_error *err);
 
 /* Takes all parcels addressed to this rank, its own among them, in any order: sorts the elements into cells,
- * carries the memory of pairs over, builds lists. DM2_PROTOCOL: an element has an unknown kind, lies in a
- * cell that this rank neither owns nor mirrors, or came twice; DM2_NUMERIC: more elements or pairs than slots
+ * carries the memory of pairs over, builds lists. DM2_NUMERIC: an element has an unknown kind, lies in a
+ * cell that this rank neither owns nor mirrors, or came twice, or there are more elements or pairs than slots
  * or entries can number. */
 enum dm2_status subdomain_take_in(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels,
                                   struct dm2_error *err);
