@@ -7,7 +7,7 @@
 # right side times 1.02), or a sum, difference, product or quotient (its opposite). In a copy of the tree under
 # build/mutate, at -O1, the objects of each test that the mutant reaches are compiled, before the test is linked; the
 # first test that fails kills the mutant, and comes first for the next. A mutant that does not compile or uses more than
-# 20 s of the processor is dead, too; where the compiler makes the same code, the mutant is none.
+# 10 s of the processor is dead, too; where the compiler makes the same code, the mutant is none.
 #
 #     -l  lists the mutants, builds none     -e N  every N-th mutant only     -s N  begins behind the N-th
 #     -t  begins no mutant after so many seconds      -T  the unit tests, in this order, without `test_`
@@ -98,7 +98,7 @@ cd "$work/tree" || exit 2
 built=build/mutant
 : >build.log
 # shellcheck disable=SC2046 # one word per test
-make -j1 BUILD=$built BIN=$built/bin CFLAGS=-O1 WARN= $(printf "$built/tests/test_%s " $tests) >build.log 2>&1 ||
+make -j1 BUILD=$built BIN=$built/bin CFLAGS='-O1 -DCHECK_FIRST' WARN= $(printf "$built/tests/test_%s " $tests) >build.log 2>&1 ||
     { echo "mutate.sh: the tests do not build" >&2; tail -n 20 build.log; exit 2; }
 compile=$(cat $built/flags)
 for test in $tests; do # the sources of each test
@@ -158,7 +158,7 @@ killed()
         main=objects/tests/unit/test_$test.o
         [ -f "$main" ] || main=$built/tests/unit/test_$test.o
         ${compile%% *} -o objects/test "$main" $objects $built/libdm2.a -lm >build.log 2>&1 || { echo build; return; }
-        (ulimit -t 20 && DM2_SRC=$PWD objects/test >test.log 2>&1) 2>/dev/null || { echo "$test"; return; }
+        (ulimit -t 10 && DM2_SRC=$PWD objects/test >test.log 2>&1) 2>/dev/null || { echo "$test"; return; }
     done
     [ $changed = 1 ] || echo same
 }

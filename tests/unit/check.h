@@ -16,6 +16,13 @@
 static int check_failures;
 static int check_count;
 
+/* With CHECK_FIRST a program ends at its first failure. */
+#ifdef CHECK_FIRST
+#define CHECK_FAILED exit(1)
+#else
+#define CHECK_FAILED (void)0
+#endif
+
 #define CHECK_REPORT(ok, ...)                                                                                \
     do {                                                                                                     \
         check_count++;                                                                                       \
@@ -26,6 +33,7 @@ static int check_count;
                 printf(__VA_ARGS__);                                                                         \
                 printf("\n");                                                                                \
             }                                                                                                \
+            CHECK_FAILED;                                                                                    \
         }                                                                                                    \
     } while (0)
 
