@@ -54,6 +54,7 @@ static enum dm2_status write_snapshot(struct sequence *s, struct dm2_error *err)
 {
     size_t n = subdomain_owned(s->sd), n_pairs = 0;
     struct pair_record *pairs = NULL;
+    struct pair_measure *forces = NULL;
     struct element *elements = mem_alloc(n, sizeof *elements);
     struct element_measure *measured = mem_alloc(n, sizeof *measured);
     enum dm2_status status = DM2_OK;
@@ -62,11 +63,12 @@ static enum dm2_status write_snapshot(struct sequence *s, struct dm2_error *err)
     if (status == DM2_OK)
         status = subdomain_collect(s->sd, elements, measured, err);
     if (status == DM2_OK)
-        status = subdomain_collect_pairs(s->sd, &pairs, &n_pairs, err);
+        status = subdomain_collect_acting(s->sd, &pairs, &forces, &n_pairs, err);
     if (status == DM2_OK)
-        status =
-            results_snapshot(s->results, subdomain_step(s->sd), elements, measured, n, pairs, n_pairs, err);
+        status = results_snapshot(s->results, subdomain_step(s->sd), elements, measured, n, pairs, forces,
+                                  n_pairs, err);
     free(pairs);
+    free(forces);
     free(measured);
     free(elements);
     return status;

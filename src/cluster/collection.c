@@ -184,7 +184,7 @@ enum dm2_status collection_write(struct collection *c, enum state_purpose purpos
         return results_final(c->job->results, &whole, err);
     }
     return results_snapshot(c->job->results, state->step, m->elements, m->measured, m->n_seen, m->pairs,
-                            m->n_pairs, err);
+                            m->forces, m->n_pairs, err);
 }
 
 enum dm2_status collection_write_profiles(struct collection *c, struct dm2_error *err)

@@ -380,9 +380,9 @@ void message_get_next(struct bytes_reader *r, struct next_message *m)
 }
 
 /* The sections of a STATE message before the further ones. */
-enum { PART_ELEM, PART_MEAS, PART_PAIR, PART_ALWAYS };
-static const char part_tags[PART_ALWAYS][SECTION_TAG + 1] = {"ELEM", "MEAS", "PAIR"};
-static const uint32_t part_widths[PART_ALWAYS] = {WIRE_ELEMENT, WIRE_MEASURED, WIRE_PAIR};
+enum { PART_ELEM, PART_MEAS, PART_PAIR, PART_FORC, PART_ALWAYS };
+static const char part_tags[PART_ALWAYS][SECTION_TAG + 1] = {"ELEM", "MEAS", "PAIR", "FORC"};
+static const uint32_t part_widths[PART_ALWAYS] = {WIRE_ELEMENT, WIRE_MEASURED, WIRE_PAIR, WIRE_FORCE};
 
 static const char *part_tag(int part)
 {
@@ -399,6 +399,7 @@ static size_t part_records(const struct state_message *m, int part)
     return part == PART_ELEM   ? m->n_elements
            : part == PART_MEAS ? (m->purpose == STATE_SNAPSHOT ? m->n_elements : 0)
            : part == PART_PAIR ? m->n_pairs
+           : part == PART_FORC ? (m->purpose == STATE_SNAPSHOT ? m->n_pairs : 0)
                                : m->sections[part - PART_ALWAYS];
 }
 
@@ -436,12 +437,13 @@ void message_get_state(struct bytes_reader *r, struct state_message *m)
         if (r->failed)
             return;
         n[part] = (size_t)head.records;
-        total += head.records * head.bytes; /* at most 6 products below 2^40 */
+        total += head.records * head.bytes; /* at most 7 products below 2^40 */
     }
     m->n_elements = n[PART_ELEM];
     m->n_pairs = n[PART_PAIR];
     memcpy(m->sections, n + PART_ALWAYS, sizeof m->sections);
-    require(r, n[PART_MEAS] == part_records(m, PART_MEAS) && total == bytes_remaining(r));
+    require(r, n[PART_MEAS] == part_records(m, PART_MEAS) && n[PART_FORC] == part_records(m, PART_FORC) &&
+                   total == bytes_remaining(r));
 }
 
 bool state_message_empty(const struct state_message *m)

@@ -44,6 +44,7 @@ static enum dm2_status send_state(struct session *s, enum state_purpose purpose,
     struct element *elements = mem_alloc(n, sizeof *elements);
     struct element_measure *measured = purpose == STATE_SNAPSHOT ? mem_alloc(n, sizeof *measured) : NULL;
     struct pair_record *pairs = NULL;
+    struct pair_measure *forces = NULL;
     enum dm2_status status = DM2_OK;
     if (elements == NULL || (purpose == STATE_SNAPSHOT && measured == NULL))
         status = dm2_fail(err, DM2_MEMORY, "no memory to send a state of %zu elements", n);
@@ -51,19 +52,23 @@ static enum dm2_status send_state(struct session *s, enum state_purpose purpose,
         status = subdomain_collect(s->sd, elements, measured, err);
     server_beat(s);
     if (status == DM2_OK)
-        status = subdomain_collect_pairs(s->sd, &pairs, &parts.state.n_pairs, err);
+        status = purpose == STATE_SNAPSHOT
+                     ? subdomain_collect_acting(s->sd, &pairs, &forces, &parts.state.n_pairs, err)
+                     : subdomain_collect_pairs(s->sd, &pairs, &parts.state.n_pairs, err);
     if (status == DM2_OK && purpose != STATE_SNAPSHOT)
         status = subdomain_collect_sections(s->sd, parts.state.sections, err);
     server_beat(s);
     parts.state.elements = elements;
     parts.measured = measured;
     parts.state.pairs = pairs;
+    parts.forces = forces;
     while (status == DM2_OK && state_parts_next(&parts, &s->out))
         status = server_send(s, MESSAGE_STATE, err);
     section_free(parts.state.sections);
     free(elements);
     free(measured);
     free(pairs);
+    free(forces);
     s->times.output += clock_now() - start;
     (void)count_cpu(s, counted);
     return status;

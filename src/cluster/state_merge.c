@@ -18,6 +18,7 @@ void state_merge_free(struct state_merge *m)
     free(m->measured);
     free(m->seen);
     free(m->pairs);
+    free(m->forces);
     section_free(m->sections);
     *m = (struct state_merge){0};
 }
@@ -52,6 +53,28 @@ static enum dm2_status fail_record(const char *why, struct dm2_error *err)
     return why[0] == '\0'
                ? dm2_fail(err, DM2_PROTOCOL, "a part of a state is cut or too long")
                : dm2_fail(err, DM2_NUMERIC, "a part of a state has a value that cannot be: %s", why);
+}
+
+static enum dm2_status add_pairs(struct state_merge *m, const struct state_message *head,
+                                 struct bytes_reader *r, struct dm2_error *err)
+{
+    size_t before = m->n_pairs, need = before + head->n_pairs;
+    struct pair_record *pairs = mem_grown(m->pairs, &m->pairs_cap, before, need, sizeof *pairs);
+    if (pairs != NULL)
+        m->pairs = pairs;
+    struct pair_measure *forces = head->purpose == STATE_SNAPSHOT && pairs != NULL
+                                      ? mem_grown(m->forces, &m->forces_cap, before, need, sizeof *forces)
+                                      : NULL;
+    if (forces != NULL)
+        m->forces = forces;
+    if (pairs == NULL || (head->purpose == STATE_SNAPSHOT && forces == NULL))
+        return dm2_fail(err, DM2_MEMORY, "no memory to compile %zu pairs", need);
+    m->n_pairs = need;
+    for (size_t k = before; k < need; k++)
+        wire_get_pair(r, &m->limits, &pairs[k]);
+    for (size_t k = before; k < need && forces != NULL; k++)
+        wire_get_force(r, &forces[k]);
+    return DM2_OK;
 }
 
 enum dm2_status state_merge_add(struct state_merge *m, const struct state_message *head,
@@ -91,13 +114,7 @@ enum dm2_status state_merge_add(struct state_merge *m, const struct state_messag
     free(ids);
     if (status != DM2_OK)
         return status;
-    size_t need = m->n_pairs + head->n_pairs;
-    struct pair_record *grown = mem_grown(m->pairs, &m->pairs_cap, m->n_pairs, need, sizeof *grown);
-    if (grown == NULL)
-        return dm2_fail(err, DM2_MEMORY, "no memory to compile %zu pairs", need);
-    m->pairs = grown;
-    for (size_t k = 0; k < head->n_pairs; k++)
-        wire_get_pair(r, &m->limits, &m->pairs[m->n_pairs++]);
+    status = add_pairs(m, head, r, err);
     for (int k = 0; k < SECTION_COUNT && status == DM2_OK; k++)
         status = section_get((enum section)k, r, head->sections[k], &m->limits, &m->sections[k], &fault);
     if (status == DM2_PROTOCOL)
@@ -107,32 +124,61 @@ enum dm2_status state_merge_add(struct state_merge *m, const struct state_messag
     return bytes_done(r) ? DM2_OK : fail_record(why, err);
 }
 
-/* Returns m->pairs sorted in a new array, or NULL without memory. */
-static struct pair_record *sort_pairs(const struct state_merge *m)
+/* The order of the pairs: a new array of their indices, or NULL without memory. */
+static size_t *sort_pairs(const struct state_merge *m)
 {
     size_t n = m->limits.elements;
-    size_t *start = mem_zalloc(n + 1, sizeof *start);
-    struct pair_record *sorted = mem_alloc(m->n_pairs, sizeof *sorted);
-    if (start == NULL || sorted == NULL) {
+    size_t *start = mem_zalloc(n + 1, sizeof *start), *order = mem_alloc(m->n_pairs, sizeof *order);
+    const struct pair_record *pairs = m->pairs;
+    for (size_t k = 0; k < m->n_pairs && start != NULL; k++)
+        start[pairs[k].id_a + 1]++;
+    for (size_t k = 0; k < n && start != NULL; k++)
+        start[k + 1] += start[k];
+    if (start == NULL || order == NULL) {
         free(start);
-        free(sorted);
+        free(order);
         return NULL;
     }
-    for (size_t k = 0; k < m->n_pairs; k++)
-        start[m->pairs[k].id_a + 1]++;
-    for (size_t k = 0; k < n; k++)
-        start[k + 1] += start[k];
     for (size_t k = 0; k < m->n_pairs; k++) /* start[a] moves to the end of the pairs of a */
-        sorted[start[m->pairs[k].id_a]++] = m->pairs[k];
+        order[start[pairs[k].id_a]++] = k;
     for (size_t k = 1; k < m->n_pairs; k++) {
-        struct pair_record p = sorted[k];
-        size_t at = k;
-        for (; at > 0 && sorted[at - 1].id_a == p.id_a && sorted[at - 1].id_b > p.id_b; at--)
-            sorted[at] = sorted[at - 1];
-        sorted[at] = p;
+        size_t moving = order[k], at = k;
+        const struct pair_record *p = &pairs[moving];
+        for (; at > 0 && pairs[order[at - 1]].id_a == p->id_a && pairs[order[at - 1]].id_b > p->id_b; at--)
+            order[at] = order[at - 1];
+        order[at] = moving;
     }
     free(start);
-    return sorted;
+    return order;
+}
+
+/* Puts pairs, and with `forced` their forces, in order. False without memory. */
+static bool order_pairs(struct state_merge *m, bool forced)
+{
+    size_t *order = sort_pairs(m);
+    struct pair_record *pairs = mem_alloc(m->n_pairs, sizeof *pairs);
+    struct pair_measure *forces = forced ? mem_alloc(m->n_pairs, sizeof *forces) : NULL;
+    bool room = order != NULL && pairs != NULL && (!forced || forces != NULL);
+    for (size_t k = 0; k < m->n_pairs && room; k++) {
+        pairs[k] = m->pairs[order[k]];
+        if (forced)
+            forces[k] = m->forces[order[k]];
+    }
+    free(order);
+    if (!room) {
+        free(pairs);
+        free(forces);
+        return false;
+    }
+    free(m->pairs);
+    m->pairs = pairs;
+    m->pairs_cap = m->n_pairs;
+    if (forced) {
+        free(m->forces);
+        m->forces = forces;
+        m->forces_cap = m->n_pairs;
+    }
+    return true;
 }
 
 enum dm2_status state_merge_finish(struct state_merge *m, struct dm2_error *err)
@@ -146,12 +192,9 @@ enum dm2_status state_merge_finish(struct state_merge *m, struct dm2_error *err)
                         "%zu of %zu elements are missing, the first is element %zu: a server lost them",
                         m->limits.elements - m->n_seen, m->limits.elements, (size_t)(missing - m->seen));
     }
-    struct pair_record *sorted = sort_pairs(m);
-    if (sorted == NULL)
+    if (!order_pairs(m, m->forces != NULL))
         return dm2_fail(err, DM2_MEMORY, "no memory to sort %zu pairs", m->n_pairs);
-    free(m->pairs);
-    m->pairs = sorted;
-    m->pairs_cap = m->n_pairs;
+    const struct pair_record *sorted = m->pairs;
     for (size_t k = 1; k < m->n_pairs; k++)
         if (sorted[k - 1].id_a == sorted[k].id_a && sorted[k - 1].id_b == sorted[k].id_b)
             return dm2_fail(err, DM2_PROTOCOL, "the pair %u-%u came twice", sorted[k].id_a, sorted[k].id_b);

@@ -18,7 +18,8 @@ struct state_merge {
     unsigned char *seen;              /* [limits.elements] by id: the element has come */
     size_t n_seen;
     struct pair_record *pairs;
-    size_t n_pairs, pairs_cap;
+    struct pair_measure *forces; /* beside the pairs; filled for snapshots only */
+    size_t n_pairs, pairs_cap, forces_cap;
     struct section_array sections[SECTION_COUNT];
 };
 

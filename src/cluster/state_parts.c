@@ -11,7 +11,7 @@
 #include "dm2/engine/domain_map.h"
 
 /* Room for the heads of a message and of its sections. */
-enum { HEADS = 64 + SECTION_HEAD * (3 + SECTION_COUNT) };
+enum { HEADS = 64 + SECTION_HEAD * (4 + SECTION_COUNT) };
 
 /* Takes of `left` records as many as *room has bytes for. */
 static size_t take_records(size_t left, size_t width, size_t *room)
@@ -24,11 +24,11 @@ static size_t take_records(size_t left, size_t width, size_t *room)
 /* Decides which records the next part holds. */
 static void plan_part(struct state_parts *s)
 {
-    size_t room = LIMIT_STATE - HEADS;
+    size_t room = LIMIT_STATE - HEADS, width = WIRE_PAIR + (s->forces != NULL ? WIRE_FORCE : 0);
     size_t elements = s->state.n_elements - s->elements_done, pairs = s->state.n_pairs - s->pairs_done;
     s->head.n_elements =
         take_records(elements, WIRE_ELEMENT + (s->measured != NULL ? WIRE_MEASURED : 0), &room);
-    s->head.n_pairs = s->head.n_elements == elements ? take_records(pairs, WIRE_PAIR, &room) : 0;
+    s->head.n_pairs = s->head.n_elements == elements ? take_records(pairs, width, &room) : 0;
     bool all = s->head.n_elements == elements && s->head.n_pairs == pairs;
     for (int k = 0; k < SECTION_COUNT; k++) {
         size_t left = s->state.sections[k].n - s->sections_done[k];
@@ -52,6 +52,8 @@ bool state_parts_next(struct state_parts *s, struct bytes_writer *out)
         wire_put_measured(out, &s->measured[s->elements_done + k]);
     for (size_t k = 0; k < s->head.n_pairs; k++)
         wire_put_pair(out, &state->pairs[s->pairs_done + k]);
+    for (size_t k = 0; k < s->head.n_pairs && s->forces != NULL; k++)
+        wire_put_force(out, &s->forces[s->pairs_done + k]);
     for (int kind = 0; kind < SECTION_COUNT; kind++) {
         for (size_t k = 0; k < s->head.sections[kind]; k++)
             section_kinds[kind].put(

@@ -14,6 +14,7 @@ struct state_parts {
     struct state_message head;
     struct state_view state;                /* with arrays of elements and pairs */
     const struct element_measure *measured; /* [n_elements], for a snapshot; NULL: none */
+    const struct pair_measure *forces;      /* [n_pairs], likewise */
     size_t elements_done, pairs_done, sections_done[SECTION_COUNT]; /* written so far */
 };
 

@@ -132,6 +132,21 @@ void wire_get_measured(struct bytes_reader *r, struct element_measure *out)
     out->contacts = bytes_get_u32(r);
 }
 
+void wire_put_force(struct bytes_writer *w, const struct pair_measure *f)
+{
+    bytes_put_f64s(w, f->force, 2);
+    bytes_put_f64(w, f->normal);
+    bytes_put_f64(w, f->tangential);
+}
+
+void wire_get_force(struct bytes_reader *r, struct pair_measure *out)
+{
+    for (int k = 0; k < 2; k++)
+        out->force[k] = get_finite(r);
+    out->normal = get_finite(r);
+    out->tangential = get_finite(r);
+}
+
 static void put_sum(struct bytes_writer *w, const struct exact_sum *s)
 {
     bytes_put_i64(w, s->hi);

@@ -551,6 +551,7 @@ bool deck_bind(struct deck_binding *b, int64_t steps)
     schema_defaults(schema_block(BLOCK_TIME), c);
     schema_defaults(schema_block(BLOCK_OUTPUT), c);
     c->output.vtp = true;
+    c->output.fields = OUTPUT_ALL_FIELDS;
     bool ok = bind_things(b, BLOCK_MATERIAL) && bind_phases(b) && bind_things(b, BLOCK_REACTION) &&
               bind_rules(b) && bind_things(b, BLOCK_BODY) && bind_loads(b) && bind_things(b, BLOCK_VOID) &&
               bind_things(b, BLOCK_FLAW) && bind_things(b, BLOCK_PROBE);

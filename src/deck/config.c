@@ -149,5 +149,6 @@ void config_free(struct config *c)
     free(c->flaws);
     free(c->rules);
     free(c->output.snapshot_at);
+    free(c->output.bodies);
     memset(c, 0, sizeof *c);
 }

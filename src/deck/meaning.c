@@ -126,6 +126,14 @@ static bool put_formats(struct writer *w, const struct output_config *o)
     return true;
 }
 
+static bool put_bodies(struct writer *w, const bool *bodies)
+{
+    for (size_t k = 0; bodies != NULL && k < w->config->n_bodies; k++)
+        if (bodies[k])
+            (void)put_word(w, w->config->bodies[k].name);
+    return bodies != NULL;
+}
+
 static bool put_movers(struct writer *w, const struct deck_key *key, const size_t *movers)
 {
     for (int k = 0; k < key->count && movers[k] != MOVER_NONE; k++)
@@ -186,6 +194,8 @@ static bool put_value(struct writer *w, const struct deck_key *key, const void *
         int body = *(const int *)at;
         return body >= 0 && put_word(w, w->config->bodies[body].name);
     }
+    case VALUE_BODIES:
+        return put_bodies(w, *(const bool *const *)at);
     case VALUE_MOVERS:
         return put_movers(w, key, at);
     case VALUE_POINTS:

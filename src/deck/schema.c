@@ -324,6 +324,13 @@ static const struct deck_key output_keys[] = {
      .part = PART_LOOKS, .meaning = "steps between checkpoints, from which `--restart` continues; 0: none"},
     {"format", VALUE_FORMATS, 1, PLAIN, ANY, .choices = "vtp|xyz", .initial = "vtp", FIELD(vtp),
      .part = PART_LOOKS, .meaning = "of snapshots: `vtp` (ParaView), `xyz` (OVITO), or both"},
+    {"fields", VALUE_SET, 1, PLAIN, ANY,
+     .choices = "id|kind|body|grain|radius|velocity|spin|temperature|pressure|stress|phase|composition|links|"
+                "contacts|bonds|damage|fragment|strain|image|pairs",
+     .initial = "all that the deck has", FIELD(fields), .part = PART_LOOKS,
+     .meaning = "what snapshots have of each element beside its place, and the pairs with their forces"},
+    {"bodies", VALUE_BODIES, 1, PLAIN, ANY, .initial = "all", FIELD(bodies), .part = PART_LOOKS,
+     .meaning = "the bodies whose elements snapshots show"},
     {"strain", VALUE_FLAG, 1, PLAIN, ANY, .choices = "no|yes", .initial = "no", FIELD(strain),
      .meaning = "is the strain of the elements measured, for snapshots; it costs some time at every step"},
 };

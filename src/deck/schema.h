@@ -42,6 +42,7 @@ enum value_type {
     VALUE_MOVERS,    /* `count` names of bodies or walls, stored as size_t, the indices of the movers */
     VALUE_FILE,      /* a file name in quotes */
     VALUE_POINTS,    /* pairs of a time and a value of the dimension, stored as a struct load_points */
+    VALUE_BODIES,    /* names of bodies, stored as bools, one per body, in new memory; NULL without names */
     VALUE_MIX,       /* names of materials, each with a fraction */
     VALUE_LIMIT,     /* the name of a probe, one of its quantities, above | below, a number */
     VALUE_STEPS,     /* a list of steps */

@@ -157,12 +157,18 @@ static int read_choice(struct deck_binding *b, const struct deck_key *key, struc
     return -1;
 }
 
+/* Makes the values of a keyword unknown. */
+static void forget_reals(const struct deck_key *key, double *out)
+{
+    for (int i = 0; i < key->count; i++)
+        out[i] = (double)NAN;
+}
+
 static bool read_reals(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
                        double *out)
 {
     bool ok = true;
-    for (int i = 0; i < key->count; i++)
-        out[i] = (double)NAN;
+    forget_reals(key, out);
     if (!check_count(b, key, entry, (size_t)key->count))
         return false;
     for (int i = 0; i < key->count; i++)
@@ -382,6 +388,24 @@ static bool read_body(struct deck_binding *b, const struct deck_key *key, const 
     return *out >= 0;
 }
 
+static bool read_bodies(struct deck_binding *b, const struct deck_entry *entry, bool **out)
+{
+    bool ok = true;
+    free(*out);
+    *out = mem_zalloc(b->config->n_bodies, sizeof **out);
+    if (*out == NULL) {
+        b->findings->no_memory = true;
+        return false;
+    }
+    for (size_t i = 0; i < entry->n; i++) {
+        int body = binding_body(b, word_at(b, entry, i));
+        ok = ok && body >= 0;
+        if (body >= 0)
+            (*out)[body] = true;
+    }
+    return ok;
+}
+
 static bool read_mix(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
                      struct body_config *body)
 {
@@ -522,7 +546,6 @@ static bool read_formats(struct deck_binding *b, const struct deck_key *key, con
 bool value_read(struct deck_binding *b, const struct deck_key *key, struct deck_entry *entry, void *base)
 {
     void *at = (char *)base + key->offset;
-    struct config *config = base;
     bool ok = false;
     switch (entry->bad ? (enum value_type) - 1 : key->type) {
     case VALUE_REAL:
@@ -559,6 +582,9 @@ bool value_read(struct deck_binding *b, const struct deck_key *key, struct deck_
     case VALUE_POINTS:
         ok = load_read_points(b, key, entry, at);
         break;
+    case VALUE_BODIES:
+        ok = read_bodies(b, entry, at);
+        break;
     case VALUE_MIX:
         ok = read_mix(b, key, entry, base);
         break;
@@ -569,15 +595,14 @@ bool value_read(struct deck_binding *b, const struct deck_key *key, struct deck_
         ok = read_limit(b, key, entry, base);
         break;
     case VALUE_STEPS:
-        ok = read_steps(b, key, entry, &config->output);
+        ok = read_steps(b, key, entry, &((struct config *)base)->output);
         break;
     case VALUE_FORMATS:
-        ok = read_formats(b, key, entry, &config->output);
+        ok = read_formats(b, key, entry, &((struct config *)base)->output);
         break;
     }
     if (!ok && key->type == VALUE_REAL)
-        for (int i = 0; i < key->count; i++)
-            ((double *)at)[i] = (double)NAN;
+        forget_reals(key, at);
     entry->bad = !ok;
     return ok;
 }

@@ -11,6 +11,7 @@
 
 #include "dm2/base/simd.h"
 #include "crack_note.h"
+#include "pair_forces.h"
 #include "pair_pass.h"
 
 /* --- near pairs --- */
@@ -156,6 +157,8 @@ DM2_INLINE void evaluate_pair(struct pass *pass, struct lists *l, uint32_t i, ui
         note_bad(pass, i, (uint32_t)j); /* not measured: the virial would be out of range, too */
     else if (measure)
         measure_pair(pass, i, (uint32_t)j, dx, dy, nx, ny, &effect, state.linked);
+    if (measure && l->forces != NULL && !pass->bad && (state.linked || effect.contacting))
+        pair_forces_note(l, k, m->fixed.force, nx, ny, effect.fn, effect.ft);
 }
 
 /* The pairs in the row of owned slot i. */
@@ -325,7 +328,7 @@ struct watched {
     bool result; /* written, not read, by an evaluation */
 };
 
-enum { WATCHED = 7 };
+enum { WATCHED = 8 };
 struct force_check {
     struct watched w[WATCHED];
 };
@@ -352,7 +355,8 @@ static void start_check(struct pass *pass, const struct lists *l)
               {.array = p->far_sum, .bytes = p->n * 2 * sizeof *p->far_sum, .result = true},
               {.array = p->pair_sum, .bytes = p->n * SUM_COUNT * sizeof *p->pair_sum, .result = true},
               {.array = p->virial, .bytes = p->n * VIRIAL_COUNT * sizeof *p->virial, .result = true},
-              {.array = p->around, .bytes = p->n * AROUND_COUNT * sizeof *p->around, .result = true}}};
+              {.array = p->around, .bytes = p->n * AROUND_COUNT * sizeof *p->around, .result = true},
+              {.array = l->forces, .bytes = l->n_forces * sizeof *l->forces, .result = true}}};
     pass->check = malloc(sizeof check);
     if (pass->check == NULL)
         return;

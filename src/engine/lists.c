@@ -472,6 +472,7 @@ void lists_free(struct lists *l)
     free(l->kept);
     free(l->rows);
     crack_list_free(&l->cracks);
+    free(l->forces);
     *l = (struct lists){0};
 }
 
@@ -479,7 +480,7 @@ size_t lists_bytes(const struct lists *l)
 {
     size_t bytes = (l->far.row_cap + l->far.cap + l->near.row_cap + l->near.cap) * sizeof(uint32_t) +
                    l->memory_cap * (1 + 2 * sizeof(double)) + bins_bytes(&l->bins) + l->carried_own_cap +
-                   l->rows_cap * sizeof *l->rows + l->kept_cap;
+                   l->rows_cap * sizeof *l->rows + l->kept_cap + l->n_forces * sizeof *l->forces;
     for (int part = 0; part < PART_COUNT; part++)
         bytes += inner_list_bytes(&l->inner[part]) + link_list_bytes(&l->links[part]);
     return bytes;

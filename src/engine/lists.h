@@ -28,6 +28,13 @@ struct carried_pair {
     double stretch, spring; /* cm */
 };
 
+/* The force of a near pair on the element of its row. */
+struct entry_force {
+    int64_t f[2];              /* x, y: the integers that the sums add */
+    double normal, tangential; /* Mbar cm2; normal: > 0 pushes apart */
+    uint64_t acts;             /* 0: the pair neither touches nor is linked; all else is 0 then */
+};
+
 struct lists {
     struct half_list far, near;
     size_t n_inside;                     /* rows of PART_INSIDE */
@@ -36,6 +43,8 @@ struct lists {
     uint8_t *linked;                     /* memory of the near pairs, per entry */
     double *stretch, *spring;            /* likewise, cm */
     size_t memory_cap;
+    struct entry_force *forces; /* [n_forces] per near entry; NULL: not kept (pair_forces.h) */
+    size_t n_forces;
     struct bins bins;    /* of the last build that used bins */
     uint32_t *rows;      /* carried memory for the next build: where each row starts */
     double *carried;     /* [pairs][2] stretch and spring */

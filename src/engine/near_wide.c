@@ -11,6 +11,7 @@
 #include <math.h>
 
 #include "dm2/base/simd.h"
+#include "pair_forces.h"
 #include "pair_pass.h"
 
 enum { BLOCK = 8 }; /* quads that go through the stages together */
@@ -361,6 +362,15 @@ DM2_INLINE void add_lanes(const struct pass *pass, const struct link_quad *q, co
     scatter_sums(q, pass->p->pair_sum, force, other_i, other_j);
 }
 
+/* Keeps the forces of the lanes that are not left, for a snapshot. */
+static void note_forces(const struct pass *pass, struct lists *l, const struct link_quad *q,
+                        const struct lanes *at, const struct effects *e, const simd_int *left)
+{
+    for (int c = 0; c < SIMD_LANES; c++)
+        if (!(*left)[c])
+            pair_forces_note(l, q->k[c], pass->m->fixed.force, at->nx[c], at->ny[c], e->fn[c], e->ft[c]);
+}
+
 /* Has either side of the law a finite strength? */
 static inline bool may_yield(const struct pair_law *law)
 {
@@ -415,6 +425,8 @@ DM2_INLINE void interact(struct pass *pass, struct lists *l, const struct pair_l
         spring = SIMD_CHOOSE(*left, before, spring);
     }
     add_lanes(pass, q, at, &e);
+    if (measure && l->forces != NULL)
+        note_forces(pass, l, q, at, &e, left);
     for (int c = 0; tangential && c < SIMD_LANES; c++)
         l->spring[q->k[c]] = spring[c];
     pulled = pulled & ~*left;

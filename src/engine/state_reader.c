@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "dm2/base/mem.h"
+#include "dm2/base/number.h"
 #include "id_order.h"
 
 /* Where one rank owns all elements, their ids 0 .. n-1 index r->slot. False: ids are others. */
@@ -30,14 +31,16 @@ static int sort_slots_by_id(struct state_reader *r)
     return id_order_sort_slots(r->p->id, r->slot, r->n_elements);
 }
 
-/* Has entry k of row i memory and an owned lower id? *low is the slot of the lower id. */
+/* Is entry k of row i one of the pairs asked for, with an owned lower id? *low is the slot of the lower id.
+ */
 static bool is_record(const struct state_reader *r, uint32_t i, uint32_t k, uint32_t *low)
 {
     const struct particles *p = r->p;
     uint32_t j = r->lists->near.j[k];
     bool ordered = p->id[i] < p->id[j];
     *low = ordered ? i : j;
-    return lists_remembers(r->lists, k) && (ordered || j < p->n_own);
+    bool asked = r->which == READER_ACTING ? r->lists->forces[k].acts != 0 : lists_remembers(r->lists, k);
+    return asked && (ordered || j < p->n_own);
 }
 
 static uint32_t higher_id(const struct state_reader *r, struct reader_pair pair)
@@ -91,15 +94,15 @@ static enum dm2_status index_pairs(struct state_reader *r, uint32_t *start)
 }
 
 enum dm2_status state_reader_open(struct state_reader *r, const struct particles *p,
-                                  const struct lists *lists, bool pairs, struct dm2_error *err)
+                                  const struct lists *lists, enum reader_pairs which, struct dm2_error *err)
 {
-    *r = (struct state_reader){.p = p, .lists = lists, .n_elements = p->n_own};
+    *r = (struct state_reader){.p = p, .lists = lists, .n_elements = p->n_own, .which = which};
     uint32_t *start = mem_alloc(p->n_own, sizeof *start);
     r->slot = mem_alloc(p->n_own, sizeof *r->slot);
     enum dm2_status status = start == NULL || r->slot == NULL ? DM2_MEMORY : DM2_OK;
     if (status == DM2_OK && !place_slots_by_id(r) && sort_slots_by_id(r) != 0)
         status = DM2_MEMORY;
-    if (status == DM2_OK && pairs)
+    if (status == DM2_OK && which != READER_NONE)
         status = index_pairs(r, start);
     free(start);
     if (status == DM2_OK)
@@ -129,4 +132,15 @@ void state_reader_pair(const struct state_reader *r, size_t k, struct pair_recor
                                 .linked = l->linked[entry],
                                 .stretch = l->stretch[entry],
                                 .spring = l->spring[entry]};
+}
+
+void state_reader_force(const struct state_reader *r, double over_force, size_t k, struct pair_measure *out)
+{
+    const struct lists *l = r->lists;
+    const struct entry_force *f = &l->forces[r->pair[k].entry];
+    uint32_t row = r->p->id[r->pair[k].row], other = r->p->id[l->near.j[r->pair[k].entry]];
+    *out = (struct pair_measure){.normal = number_plus_zero(f->normal),
+                                 .tangential = number_plus_zero(f->tangential)};
+    for (int a = 0; a < 2; a++)
+        out->force[a] = (double)(row < other ? f->f[a] : -f->f[a]) * over_force;
 }

@@ -3,6 +3,7 @@
  * migrate.c. */
 #include "dm2/engine/subdomain.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,6 +13,7 @@
 #include "generate.h"
 #include "homes.h"
 #include "leapfrog.h"
+#include "pair_forces.h"
 #include "phase.h"
 #include "probes.h"
 #include "state_reader.h"
@@ -233,10 +235,22 @@ static bool needs_pressure(const struct model *m)
     return m->has_pressure || m->has_phases;
 }
 
+/* Makes the lists keep the forces of pairs where the next evaluation is that of a snapshot. False without
+ * memory. */
+static bool prepare_forces(struct subdomain *sd, bool measure)
+{
+    if (measure && schedule_snapshot(sd->model->config, sd->step))
+        return pair_forces_hold(&sd->lists, sd->p.n_own) == 0;
+    pair_forces_drop(&sd->lists);
+    return true;
+}
+
 void subdomain_forces_ahead(struct subdomain *sd, bool measure)
 {
     double started = clock_now();
     const struct model *m = sd->model;
+    if (!prepare_forces(sd, measure))
+        return; /* subdomain_forces tries again, and fails */
     force_ahead(&sd->pass, m, &sd->p, &sd->lists, leapfrog_kick_time(m, sd->step),
                 leapfrog_path_time(m, sd->step), measure || needs_pressure(m) ? &sd->totals : NULL);
     sd->times.forces += clock_now() - started;
@@ -247,6 +261,8 @@ enum dm2_status subdomain_forces(struct subdomain *sd, bool measure, struct dm2_
     double started = clock_now();
     const struct model *m = sd->model;
     bool pressure = needs_pressure(m), totals = measure || pressure;
+    if (!sd->pass.ahead && !prepare_forces(sd, measure))
+        return subdomain_no_memory(sd, err);
     subdomain_beat(sd);
     if (m->has_drives)
         drive_set(m, sd->step, sd->drives);
@@ -355,7 +371,7 @@ enum dm2_status subdomain_collect(const struct subdomain *sd, struct element *el
                                   struct element_measure *measured, struct dm2_error *err)
 {
     struct state_reader reader;
-    enum dm2_status status = state_reader_open(&reader, &sd->p, &sd->lists, false, err);
+    enum dm2_status status = state_reader_open(&reader, &sd->p, &sd->lists, READER_NONE, err);
     for (size_t k = 0; k < reader.n_elements; k++) {
         state_reader_element(&reader, k, &elements[k]);
         if (measured == NULL)
@@ -373,19 +389,38 @@ enum dm2_status subdomain_collect(const struct subdomain *sd, struct element *el
     return status;
 }
 
+static enum dm2_status collect_pairs(const struct subdomain *sd, enum reader_pairs which,
+                                     struct pair_record **pairs, struct pair_measure **forces,
+                                     size_t *n_pairs, struct dm2_error *err)
+{
+    struct state_reader reader;
+    enum dm2_status status = state_reader_open(&reader, &sd->p, &sd->lists, which, err);
+    size_t n = *n_pairs = reader.n_pairs;
+    *pairs = status == DM2_OK ? mem_alloc(n, sizeof **pairs) : NULL;
+    if (forces != NULL)
+        *forces = status == DM2_OK ? mem_alloc(n, sizeof **forces) : NULL;
+    if (status == DM2_OK && (*pairs == NULL || (forces != NULL && *forces == NULL)))
+        status = subdomain_no_memory(sd, err);
+    for (size_t k = 0; status == DM2_OK && k < n; k++) {
+        state_reader_pair(&reader, k, &(*pairs)[k]);
+        if (forces != NULL)
+            state_reader_force(&reader, sd->model->fixed.over_force, k, &(*forces)[k]);
+    }
+    state_reader_free(&reader);
+    return status;
+}
+
 enum dm2_status subdomain_collect_pairs(const struct subdomain *sd, struct pair_record **pairs,
                                         size_t *n_pairs, struct dm2_error *err)
 {
-    struct state_reader reader;
-    enum dm2_status status = state_reader_open(&reader, &sd->p, &sd->lists, true, err);
-    *n_pairs = reader.n_pairs;
-    *pairs = status == DM2_OK ? mem_alloc(reader.n_pairs, sizeof **pairs) : NULL;
-    if (status == DM2_OK && *pairs == NULL)
-        status = subdomain_no_memory(sd, err);
-    for (size_t k = 0; status == DM2_OK && k < reader.n_pairs; k++)
-        state_reader_pair(&reader, k, &(*pairs)[k]);
-    state_reader_free(&reader);
-    return status;
+    return collect_pairs(sd, READER_MEMORY, pairs, NULL, n_pairs, err);
+}
+
+enum dm2_status subdomain_collect_acting(const struct subdomain *sd, struct pair_record **pairs,
+                                         struct pair_measure **forces, size_t *n_pairs, struct dm2_error *err)
+{
+    assert(sd->lists.forces != NULL);
+    return collect_pairs(sd, READER_ACTING, pairs, forces, n_pairs, err);
 }
 
 enum dm2_status subdomain_collect_sections(const struct subdomain *sd,
@@ -410,7 +445,7 @@ enum dm2_status subdomain_write(const struct subdomain *sd, subdomain_writer wri
                                 struct dm2_error *err)
 {
     struct state_reader reader;
-    enum dm2_status status = state_reader_open(&reader, &sd->p, &sd->lists, true, err);
+    enum dm2_status status = state_reader_open(&reader, &sd->p, &sd->lists, READER_MEMORY, err);
     struct state_view view = {.step = sd->step,
                               .n_elements = reader.n_elements,
                               .n_pairs = reader.n_pairs,

@@ -213,7 +213,8 @@ static enum dm2_status write_snapshot(struct results *r, const struct snapshot *
 
 enum dm2_status results_snapshot(struct results *r, int64_t step, const struct element *elements,
                                  const struct element_measure *measured, size_t n_elements,
-                                 const struct pair_record *pairs, size_t n_pairs, struct dm2_error *err)
+                                 const struct pair_record *pairs, const struct pair_measure *forces,
+                                 size_t n_pairs, struct dm2_error *err)
 {
     struct fragment_counts counts;
     if (step <= r->snapshot_step)
@@ -225,9 +226,10 @@ enum dm2_status results_snapshot(struct results *r, int64_t step, const struct e
     if (status == DM2_OK)
         status = write_fragments(r, step, &counts, err);
     if (status == DM2_OK)
-        status = write_snapshot(
-            r, &(struct snapshot){r->config, step, elements, measured, n_elements, pairs, n_pairs, fragment},
-            err);
+        status = write_snapshot(r,
+                                &(struct snapshot){r->config, step, elements, measured, n_elements, pairs,
+                                                   forces, n_pairs, fragment},
+                                err);
     if (status == DM2_OK)
         r->snapshot_step = step;
     free(fragment);

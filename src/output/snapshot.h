@@ -1,15 +1,19 @@
 /* States for viewers: VTK PolyData (.vtp, ParaView) with a .pvd series, and extended XYZ (OVITO).
  *
- * The .vtp holds one point and one vertex per element, one line per linked pair (but none across a periodic
- * side), and per point: id, kind, body, grain, radius [cm], velocity [cm/us], spin [1/us], temperature [K],
- * pressure [Mbar], stress [Mbar] (xx, yy, xy), phase where the deck has phases, composition where it has a
- * reaction (mass fractions a, b, product), links, contacts, bonds (links at the start), damage (1 -
- * links/bonds), fragment where it is known (output/fragments.h), and strain (xx, yy, xy) where the deck asks
- * for it. Its field data: TimeValue [us], step, domain (x0, y0, width, height [cm]), periodic, and the names
- * of kinds (array `materials`, indexed by `kind`) and of bodies. Positions and velocities have a z of 0.
- * Numbers are little-endian in base64, floating point numbers 64 bits wide.
+ * The .vtp holds one point and one vertex per element, and one line per pair that touches or is linked. Per
+ * point: id, kind, body, grain, radius [cm], velocity [cm/us], spin [1/us], temperature [K], pressure [Mbar],
+ * stress [Mbar] (xx, yy, xy), phase where the deck has phases, composition where it has a reaction (mass
+ * fractions a, b, product), links, contacts, bonds (links at the start), damage (1 - links/bonds), fragment
+ * where it is known (output/fragments.h), and strain (xx, yy, xy) where the deck asks for it. Per cell, first
+ * the vertices (0), then the lines: id_a, id_b (of a vertex its element's), linked, force_x, force_y (on
+ * element id_a; exactly what the sums of the run added), normal (> 0 pushes apart), tangential [Mbar cm2]. A
+ * line across a periodic side, or to an element that is not shown, begins and ends at one point, so that
+ * nothing is drawn. The deck's `fields` and `bodies` choose of these. Field data: TimeValue [us], step,
+ * domain (x0, y0, width, height [cm]), periodic, and the names of kinds (array `materials`, indexed by
+ * `kind`) and of bodies. Positions and velocities have a z of 0. Numbers are little-endian in base64,
+ * floating point numbers 64 bits wide.
  *
- * The .xyz has the same columns as text, with the name of the kind as species.
+ * The .xyz has the values of elements as text, with the name of the kind as species.
  *
  * The bytes depend on the snapshot alone. Every function: DM2_IO, DM2_MEMORY; no file is left under `path`
  * after a failure. */
@@ -32,6 +36,7 @@ struct snapshot {
     const struct element_measure *measured;
     size_t n_elements;
     const struct pair_record *pairs;
+    const struct pair_measure *forces; /* beside the pairs */
     size_t n_pairs;
     const uint32_t *fragment; /* fragment of each element, or NULL: unknown */
 };

@@ -176,5 +176,25 @@ const struct snapshot_field snapshot_fields[SNAPSHOT_FIELDS] = {
 
 bool snapshot_has(const struct snapshot *s, const struct snapshot_field *f)
 {
-    return f->present == NULL || f->present(s);
+    size_t index = (size_t)(f - snapshot_fields);
+    return (s->config->output.fields >> index & 1u) && (f->present == NULL || f->present(s));
+}
+
+bool snapshot_writes(const struct snapshot *s, const char *name)
+{
+    for (int k = 0; k < SNAPSHOT_FIELDS; k++)
+        if (strcmp(snapshot_fields[k].name, name) == 0)
+            return snapshot_has(s, &snapshot_fields[k]);
+    return false;
+}
+
+bool snapshot_has_pairs(const struct snapshot *s)
+{
+    return s->config->output.fields >> SNAPSHOT_FIELDS & 1u;
+}
+
+bool snapshot_shows(const struct snapshot *s, size_t i)
+{
+    const bool *bodies = s->config->output.bodies;
+    return bodies == NULL || bodies[s->elements[i].body];
 }

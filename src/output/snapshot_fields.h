@@ -26,7 +26,15 @@ extern const struct snapshot_field snapshot_position;
 enum { SNAPSHOT_FIELDS = 19 };
 extern const struct snapshot_field snapshot_fields[SNAPSHOT_FIELDS];
 
-/* Is the field in the files of this snapshot? */
+/* Is a field of the table in the files of this snapshot, and the one of this name? Bit k of output.fields is
+ * field k. */
 bool snapshot_has(const struct snapshot *s, const struct snapshot_field *f);
+bool snapshot_writes(const struct snapshot *s, const char *name);
+
+/* Are the pairs in the .vtp? The bit behind those of the fields. */
+bool snapshot_has_pairs(const struct snapshot *s);
+
+/* Is element i shown? */
+bool snapshot_shows(const struct snapshot *s, size_t i);
 
 #endif

@@ -8,9 +8,11 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdbool.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "dm2/base/file.h"
+#include "dm2/base/mem.h"
 #include "dm2/base/number.h"
 #include "snapshot_fields.h"
 
@@ -18,6 +20,24 @@ static const struct {
     const char *name;
     size_t bytes;
 } type_info[] = {{"UInt8", 1}, {"UInt16", 2}, {"UInt32", 4}, {"Int32", 4}, {"Int64", 8}, {"Float64", 8}};
+
+/* What the file draws: a point per element that is shown, a line per pair with such an element. */
+struct drawing {
+    size_t *point, n_points; /* [n_elements] the point of each element that is shown */
+    struct {
+        size_t end[2]; /* points */
+        size_t pair;
+    } * line;
+    size_t n_lines;
+};
+
+/* A value of a pair. */
+struct pair_field {
+    const char *name;
+    enum number_type type;
+    bool is_id;
+    double (*get)(const struct pair_record *p, const struct pair_measure *m);
+};
 
 /* --- base64 --- */
 
@@ -85,11 +105,14 @@ static void close_array(struct base64 *b)
     file_puts(b->file, "</DataArray>\n");
 }
 
-static void write_field(struct base64 *b, const struct snapshot_field *f, const struct snapshot *s)
+static void write_field(struct base64 *b, const struct snapshot_field *f, const struct snapshot *s,
+                        const struct drawing *d)
 {
-    open_array(b, f, s->n_elements);
+    open_array(b, f, d->n_points);
     for (size_t i = 0; i < s->n_elements; i++) {
         double value[3];
+        if (!snapshot_shows(s, i))
+            continue;
         f->get(s, i, value);
         for (int c = 0; c < f->components; c++)
             base64_put(b, f->type == TYPE_F64 ? bits_of(value[c]) : (uint64_t)(int64_t)value[c],
@@ -133,38 +156,101 @@ static void write_vertices(struct base64 *b, size_t n)
     file_puts(b->file, "      </Verts>\n");
 }
 
-/* Whether the pair is drawn as a line; then end[] gets the indices of its two points. */
-static bool is_line(const struct snapshot *s, const struct pair_record *pair, size_t end[2])
+static void write_lines(struct base64 *b, const struct drawing *d)
 {
-    if (pair->linked == 0)
-        return false;
-    end[0] = element_find(s->elements, s->n_elements, pair->id_a);
-    end[1] = element_find(s->elements, s->n_elements, pair->id_b);
-    const struct config *c = s->config;
-    for (int axis = 0; axis < 2; axis++) {
-        double length = fabs(s->elements[end[0]].r[axis] - s->elements[end[1]].r[axis]);
-        if (c->periodic[axis] && length > 0.5 * c->size[axis])
-            return false;
-    }
-    return true;
-}
-
-static void write_lines(struct base64 *b, const struct snapshot *s, size_t n_lines)
-{
-    size_t end[2];
-    const struct snapshot_field *f = &connectivity[is_long(s->n_elements)];
+    const struct snapshot_field *f = &connectivity[is_long(d->n_points)];
     file_puts(b->file, "      <Lines>\n");
-    open_array(b, f, 2 * n_lines);
-    for (size_t p = 0; p < s->n_pairs; p++) {
-        if (is_line(s, &s->pairs[p], end)) {
-            base64_put(b, end[0], type_info[f->type].bytes);
-            base64_put(b, end[1], type_info[f->type].bytes);
-        }
+    open_array(b, f, 2 * d->n_lines);
+    for (size_t k = 0; k < d->n_lines; k++) {
+        base64_put(b, d->line[k].end[0], type_info[f->type].bytes);
+        base64_put(b, d->line[k].end[1], type_info[f->type].bytes);
     }
     close_array(b);
-    write_offsets(b, n_lines, 2);
+    write_offsets(b, d->n_lines, 2);
     file_puts(b->file, "      </Lines>\n");
 }
+
+/* --- the arrays of pairs --- */
+
+/* Cells are the vertices, then the lines; a vertex has its element's id twice, and 0. */
+static void write_pair_field(struct base64 *b, const struct pair_field *f, const struct snapshot *s,
+                             const struct drawing *d)
+{
+    const struct snapshot_field array = {f->name, NULL, f->type, 1, {NULL, NULL, NULL}, NULL, NULL};
+    open_array(b, &array, d->n_points + d->n_lines);
+    for (size_t i = 0; i < s->n_elements; i++) {
+        if (snapshot_shows(s, i))
+            base64_put(b, f->is_id ? s->elements[i].id : 0, type_info[f->type].bytes);
+    }
+    for (size_t k = 0; k < d->n_lines; k++) {
+        size_t p = d->line[k].pair;
+        double value = f->get(&s->pairs[p], &s->forces[p]);
+        base64_put(b, f->type == TYPE_F64 ? bits_of(value) : (uint64_t)value, type_info[f->type].bytes);
+    }
+    close_array(b);
+}
+
+static double get_id_a(const struct pair_record *p, const struct pair_measure *m)
+{
+    (void)m;
+    return p->id_a;
+}
+
+static double get_id_b(const struct pair_record *p, const struct pair_measure *m)
+{
+    (void)m;
+    return p->id_b;
+}
+
+static double get_linked(const struct pair_record *p, const struct pair_measure *m)
+{
+    (void)m;
+    return p->linked;
+}
+
+static double get_force_x(const struct pair_record *p, const struct pair_measure *m)
+{
+    (void)p;
+    return m->force[0];
+}
+
+static double get_force_y(const struct pair_record *p, const struct pair_measure *m)
+{
+    (void)p;
+    return m->force[1];
+}
+
+static double get_normal(const struct pair_record *p, const struct pair_measure *m)
+{
+    (void)p;
+    return m->normal;
+}
+
+static double get_tangential(const struct pair_record *p, const struct pair_measure *m)
+{
+    (void)p;
+    return m->tangential;
+}
+
+static const struct pair_field pair_fields[] = {{"id_a", TYPE_U32, true, get_id_a},
+                                                {"id_b", TYPE_U32, true, get_id_b},
+                                                {"linked", TYPE_U8, false, get_linked},
+                                                {"force_x", TYPE_F64, false, get_force_x},
+                                                {"force_y", TYPE_F64, false, get_force_y},
+                                                {"normal", TYPE_F64, false, get_normal},
+                                                {"tangential", TYPE_F64, false, get_tangential}};
+
+static void write_pairs(struct base64 *b, const struct snapshot *s, const struct drawing *d)
+{
+    if (!snapshot_has_pairs(s))
+        return;
+    file_puts(b->file, "      <CellData>\n");
+    for (size_t k = 0; k < sizeof pair_fields / sizeof pair_fields[0]; k++)
+        write_pair_field(b, &pair_fields[k], s, d);
+    file_puts(b->file, "      </CellData>\n");
+}
+
+/* --- the whole file --- */
 
 static void write_doubles(struct file_out *f, const char *name, const double *values, size_t n)
 {
@@ -219,54 +305,98 @@ static void write_field_data(struct file_out *f, const struct snapshot *s)
     file_puts(f, "</Array>\n    </FieldData>\n");
 }
 
-/* Counts the lines; false where a pair names an element that is not there. */
-static bool count_lines(const struct snapshot *s, size_t *n_lines, struct dm2_error *err)
+/* The two points of a pair's line. A line across a periodic side, or to an element that is not shown, ends
+ * where it begins, so that nothing is drawn while the pair has its force. False: neither element is shown. */
+static bool find_ends(const struct snapshot *s, const struct drawing *d, size_t a, size_t b, size_t end[2])
 {
-    size_t end[2], n = 0;
-    for (size_t p = 0; p < s->n_pairs; p++) {
-        const struct pair_record *pair = &s->pairs[p];
-        if (element_find(s->elements, s->n_elements, pair->id_a) == s->n_elements ||
-            element_find(s->elements, s->n_elements, pair->id_b) == s->n_elements) {
-            (void)dm2_fail(err, DM2_NUMERIC,
-                           "snapshot of step %" PRId64 ": the pair (%" PRIu32 ", %" PRIu32
-                           ") names an element that is not in the state",
-                           s->step, pair->id_a, pair->id_b);
-            return false;
-        }
-        n += is_line(s, pair, end) ? 1 : 0;
+    const struct config *c = s->config;
+    bool shows_a = snapshot_shows(s, a), shows_b = snapshot_shows(s, b), point = !shows_a || !shows_b;
+    for (int axis = 0; axis < 2; axis++) {
+        double length = fabs(s->elements[a].r[axis] - s->elements[b].r[axis]);
+        point |= c->periodic[axis] && length > 0.5 * c->size[axis];
     }
-    *n_lines = n;
-    return true;
+    end[0] = d->point[shows_a ? a : b];
+    end[1] = point ? end[0] : d->point[b];
+    return shows_a || shows_b;
+}
+
+static enum dm2_status find_lines(const struct snapshot *s, struct drawing *d, struct dm2_error *err)
+{
+    for (size_t p = 0; p < s->n_pairs && snapshot_has_pairs(s); p++) {
+        const struct pair_record *pair = &s->pairs[p];
+        size_t a = element_find(s->elements, s->n_elements, pair->id_a),
+               b = element_find(s->elements, s->n_elements, pair->id_b);
+        if (a == s->n_elements || b == s->n_elements)
+            return dm2_fail(err, DM2_NUMERIC,
+                            "snapshot of step %" PRId64 ": the pair (%" PRIu32 ", %" PRIu32
+                            ") names an element that is not in the state",
+                            s->step, pair->id_a, pair->id_b);
+        if (find_ends(s, d, a, b, d->line[d->n_lines].end))
+            d->line[d->n_lines++].pair = p;
+    }
+    return DM2_OK;
+}
+
+/* Numbers the points and finds the lines. The caller frees *d with close_drawing, also after a failure. */
+static enum dm2_status open_drawing(const struct snapshot *s, struct drawing *d, struct dm2_error *err)
+{
+    *d = (struct drawing){.point = mem_alloc(s->n_elements, sizeof *d->point),
+                          .line = mem_alloc(s->n_pairs, sizeof *d->line)};
+    if (d->point == NULL || d->line == NULL)
+        return dm2_fail(err, DM2_MEMORY, "no memory for the lines of a snapshot of %zu elements",
+                        s->n_elements);
+    for (size_t i = 0; i < s->n_elements; i++) {
+        d->point[i] = d->n_points;
+        d->n_points += snapshot_shows(s, i);
+    }
+    return find_lines(s, d, err);
+}
+
+static void close_drawing(struct drawing *d)
+{
+    free(d->point);
+    free(d->line);
+}
+
+static void write_piece(struct base64 *b, const struct snapshot *s, const struct drawing *d)
+{
+    file_printf(
+        b->file,
+        "    <Piece NumberOfPoints=\"%zu\" NumberOfVerts=\"%zu\" NumberOfLines=\"%zu\" NumberOfStrips=\"0\""
+        " NumberOfPolys=\"0\">\n      <Points>\n",
+        d->n_points, d->n_points, d->n_lines);
+    write_field(b, &snapshot_position, s, d);
+    file_puts(b->file, "      </Points>\n");
+    write_vertices(b, d->n_points);
+    write_lines(b, d);
+    file_printf(b->file, "      <PointData%s%s>\n", snapshot_writes(s, "kind") ? " Scalars=\"kind\"" : "",
+                snapshot_writes(s, "velocity") ? " Vectors=\"velocity\"" : "");
+    for (int a = 0; a < SNAPSHOT_FIELDS; a++)
+        if (snapshot_has(s, &snapshot_fields[a]))
+            write_field(b, &snapshot_fields[a], s, d);
+    file_puts(b->file, "      </PointData>\n");
+    write_pairs(b, s, d);
+    file_puts(b->file, "    </Piece>\n");
 }
 
 enum dm2_status snapshot_write_vtp(const char *path, const struct snapshot *s, struct dm2_error *err)
 {
-    size_t n_lines;
     struct file_out f;
-    if (!count_lines(s, &n_lines, err))
-        return DM2_NUMERIC;
-    enum dm2_status status = file_create(&f, path, err);
-    if (status != DM2_OK)
-        return status;
-    struct base64 b = {.file = &f, .used = 0};
-    file_puts(
-        &f, "<?xml version=\"1.0\"?>\n"
-            "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
-            "  <PolyData>\n");
-    write_field_data(&f, s);
-    file_printf(
-        &f,
-        "    <Piece NumberOfPoints=\"%zu\" NumberOfVerts=\"%zu\" NumberOfLines=\"%zu\" NumberOfStrips=\"0\""
-        " NumberOfPolys=\"0\">\n      <Points>\n",
-        s->n_elements, s->n_elements, n_lines);
-    write_field(&b, &snapshot_position, s);
-    file_puts(&f, "      </Points>\n");
-    write_vertices(&b, s->n_elements);
-    write_lines(&b, s, n_lines);
-    file_puts(&f, "      <PointData Scalars=\"kind\" Vectors=\"velocity\">\n");
-    for (int a = 0; a < SNAPSHOT_FIELDS; a++)
-        if (snapshot_has(s, &snapshot_fields[a]))
-            write_field(&b, &snapshot_fields[a], s);
-    file_puts(&f, "      </PointData>\n    </Piece>\n  </PolyData>\n</VTKFile>\n");
-    return file_commit(&f, err);
+    struct drawing d;
+    enum dm2_status status = open_drawing(s, &d, err);
+    if (status == DM2_OK)
+        status = file_create(&f, path, err);
+    if (status == DM2_OK) {
+        struct base64 b = {.file = &f, .used = 0};
+        file_puts(&f, "<?xml version=\"1.0\"?>\n"
+                      "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
+                      "header_type=\"UInt64\">\n"
+                      "  <PolyData>\n");
+        write_field_data(&f, s);
+        write_piece(&b, s, &d);
+        file_puts(&f, "  </PolyData>\n</VTKFile>\n");
+        status = file_commit(&f, err);
+    }
+    close_drawing(&d);
+    return status;
 }

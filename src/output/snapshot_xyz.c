@@ -67,9 +67,14 @@ enum dm2_status snapshot_write_xyz(const char *path, const struct snapshot *s, s
     enum dm2_status status = file_create(&f, path, err);
     if (status != DM2_OK)
         return status;
-    file_printf(&f, "%zu\n", s->n_elements);
+    size_t shown = 0;
+    for (size_t i = 0; i < s->n_elements; i++)
+        shown += snapshot_shows(s, i);
+    file_printf(&f, "%zu\n", shown);
     write_comment_line(&f, s);
     for (size_t i = 0; i < s->n_elements; i++) {
+        if (!snapshot_shows(s, i))
+            continue;
         unsigned kind = s->elements[i].kind;
         struct kind_name name;
         if (kind < config_kinds(s->config))

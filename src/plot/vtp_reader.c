@@ -338,6 +338,30 @@ static enum dm2_status take_start(struct vtp_reader *r, struct dm2_error *err)
 
 /* --- the whole file --- */
 
+/* Keeps of the lines in `ends` those of linked pairs that have a length; all where the file does not say
+ * which pairs are linked. Vertices, one per point, come before the lines in arrays of cells. */
+static enum dm2_status keep_links(struct vtp_reader *r, double *ends, struct dm2_error *err)
+{
+    struct vtp *vtp = r->vtp;
+    const struct vtp_array *linked = vtp_find(vtp, "CellData", "linked");
+    size_t kept = 0;
+    if (linked == NULL)
+        return DM2_OK;
+    if (linked->components != 1 || linked->n_tuples < vtp->n_lines ||
+        linked->n_tuples - vtp->n_lines != vtp->n_points)
+        return dm2_fail(err, DM2_PROTOCOL,
+                        "%s: the array 'linked' has %zu tuples for %zu vertices and %zu lines", r->xml.path,
+                        linked->n_tuples, vtp->n_points, vtp->n_lines);
+    for (size_t k = 0; k < vtp->n_lines; k++) {
+        if (linked->values[vtp->n_points + k] == 0.0 || ends[2 * k] == ends[2 * k + 1])
+            continue;
+        ends[2 * kept] = ends[2 * k];
+        ends[2 * kept++ + 1] = ends[2 * k + 1];
+    }
+    vtp->n_lines = kept;
+    return DM2_OK;
+}
+
 static enum dm2_status check_lines(struct vtp_reader *r, struct dm2_error *err)
 {
     struct vtp *vtp = r->vtp;
@@ -357,7 +381,7 @@ static enum dm2_status check_lines(struct vtp_reader *r, struct dm2_error *err)
             return dm2_fail(err, DM2_PROTOCOL, "%s: line %zu names point %.15g of %zu", r->xml.path, i / 2,
                             ends->values[i], vtp->n_points);
     vtp->line = ends->values;
-    return DM2_OK;
+    return keep_links(r, ends->values, err);
 }
 
 static enum dm2_status check_shapes(struct vtp_reader *r, struct dm2_error *err)

@@ -19,6 +19,7 @@ struct fake {
     struct element *elements;
     struct element_measure *measured;
     struct pair_record *pairs;
+    struct pair_measure *forces;
 };
 
 static inline void fake_element(struct element *e, struct element_measure *m, size_t i, size_t column,
@@ -64,6 +65,11 @@ static inline void fake_make(struct fake *f, size_t columns, size_t rows)
     f->elements = calloc(f->n + 1, sizeof *f->elements);
     f->measured = calloc(f->n + 1, sizeof *f->measured);
     f->pairs = calloc(2 * f->n + 1, sizeof *f->pairs);
+    f->forces = calloc(2 * f->n + 1, sizeof *f->forces);
+    for (size_t k = 0; k < 2 * f->n; k++) {
+        double x = (double)k;
+        f->forces[k] = (struct pair_measure){{0.25 * x, -0.5 / (x + 1)}, 1e-3 * x, -1e-5 / (x + 3)};
+    }
     for (size_t i = 0; i < f->n; i++) {
         size_t column = i % columns, row = i / columns;
         fake_element(&f->elements[i], &f->measured[i], i, column, row);
@@ -98,6 +104,7 @@ static inline void fake_make(struct fake *f, size_t columns, size_t rows)
     f->config.probes = f->probes;
     f->config.output.history_every = 10;
     f->config.output.vtp = true;
+    f->config.output.fields = UINT32_MAX;
 }
 
 static inline void fake_free(struct fake *f)
@@ -105,6 +112,7 @@ static inline void fake_free(struct fake *f)
     free(f->elements);
     free(f->measured);
     free(f->pairs);
+    free(f->forces);
 }
 
 #endif

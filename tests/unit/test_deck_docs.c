@@ -51,6 +51,9 @@ static void value_text(const struct deck_key *key, char *out, size_t size)
     case VALUE_POINTS:
         (void)snprintf(out, size, "points: time, us, then %s", u);
         break;
+    case VALUE_BODIES:
+        (void)snprintf(out, size, "names");
+        break;
     case VALUE_MIX:
         (void)snprintf(out, size, "names and numbers");
         break;

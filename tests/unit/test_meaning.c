@@ -193,6 +193,8 @@ static const struct entry output[] = {{"history_every", "150", "150", "5", 1},
                                       {"snapshot_at", "3 1 7", "7, 3, 1", "3 1", 0},
                                       {"checkpoint_every", "0", "0", "10", 1},
                                       {"format", "vtp", "vtp", "vtp xyz", 1},
+                                      {"fields", "id velocity", "velocity, id", "id", 0},
+                                      {"bodies", "plate", "plate", "ball", 0},
                                       {"strain", "no", "no", "yes", 1},
                                       {0}};
 /* Blocks of one word keep their order where it numbers something; the two voids may be exchanged. */

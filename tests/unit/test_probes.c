@@ -23,7 +23,8 @@ static const char SLABS[] =
     "probe low { body = low; report = " ALL " }\n"
     "probe mid { body = mid; report = force }\n"
     "probe high { body = high; report = " ALL " }\n"
-    "probe part { region = 0 0.1 0.8 0.25; report = " ALL ", porosity }\n";
+    "probe part { region = 0 0.1 0.8 0.25; report = " ALL ", porosity }\n"
+    "output { snapshot_at = 29 }\n";
 
 static void start(struct engine *g, int ranks)
 {
@@ -64,6 +65,57 @@ TEST(forces_of_all_bodies_sum_to_zero)
             CHECK(fabs(values[0][5]) > 1e-6 && fabs(values[2][5]) > 1e-6);
         }
         engine_stop(g);
+    }
+}
+
+/* The pairs of a snapshot, each with the owner of its lower id, sum to the forces of the bodies; with `ahead`
+ * the pairs without mirrored elements are evaluated before the rest. */
+static void check_pairs(int ranks, bool ahead)
+{
+    struct engine g;
+    struct measures m;
+    double sum[3][2] = {{0}}, v[PROBE_COLUMNS];
+    size_t pairs = 0;
+    start(&g, ranks);
+    g.ahead = ahead;
+    engine_run(&g, 28);
+    g.ahead_measures = true;
+    engine_step(&g, NULL);
+    engine_must(&g, engine_forces(&g, true)); /* step 29 has a snapshot */
+    struct engine_state s = engine_collect(&g, false);
+    for (int r = 0; r < ranks; r++) {
+        struct pair_record *pair;
+        struct pair_measure *force;
+        size_t n;
+        engine_must(&g, subdomain_collect_acting(g.sd[r], &pair, &force, &n, &g.err));
+        for (size_t k = 0; k < n; k++) {
+            for (int a = 0; a < 2; a++) {
+                sum[s.e[pair[k].id_a].body][a] += force[k].force[a];
+                sum[s.e[pair[k].id_b].body][a] -= force[k].force[a];
+            }
+        }
+        pairs += n;
+        free(pair);
+        free(force);
+    }
+    g.ahead = false;
+    engine_must(&g, engine_move(&g, &m));
+    struct measure_scales scales = model_scales(g.model);
+    for (size_t body = 0; body < 3; body++) {
+        probe_values(&g.deck.config.probes[body], &scales, &m.probe[body], v);
+        CHECK_SAME_BITS(sum[body][0] + 0.0, v[4]);
+        CHECK_SAME_BITS(sum[body][1] + 0.0, v[5]);
+    }
+    CHECK_EQ_INT(pairs, m.pairs);
+    engine_state_free(&s);
+    engine_stop(&g);
+}
+
+TEST(pairs_sum_to_the_forces_of_bodies)
+{
+    for (int ranks = 1; ranks <= 5; ranks++) {
+        check_pairs(ranks, false);
+        check_pairs(ranks, ranks > 1);
     }
 }
 
@@ -314,7 +366,7 @@ TEST(measures_with_other_probes_do_not_match)
     engine_stop(&g);
 }
 
-TEST_MAIN(CASE(forces_of_all_bodies_sum_to_zero), CASE(far_forces_sum_to_zero),
-          CASE(columns_are_sums_over_the_elements), CASE(a_rigid_body_has_its_spin_wherever_it_is),
-          CASE(force_and_torque_change_the_motion), CASE(porosity_of_a_lattice),
-          CASE(measures_with_other_probes_do_not_match))
+TEST_MAIN(CASE(forces_of_all_bodies_sum_to_zero), CASE(pairs_sum_to_the_forces_of_bodies),
+          CASE(far_forces_sum_to_zero), CASE(columns_are_sums_over_the_elements),
+          CASE(a_rigid_body_has_its_spin_wherever_it_is), CASE(force_and_torque_change_the_motion),
+          CASE(porosity_of_a_lattice), CASE(measures_with_other_probes_do_not_match))

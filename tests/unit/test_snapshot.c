@@ -5,12 +5,15 @@
 
 #include "dm2/base/number.h"
 #include "dm2/plot/vtp_reader.h"
+#include "deck/schema.h"
 #include "output/snapshot.h"
+#include "output/snapshot_fields.h"
 #include "plot/xml.h"
 
 static struct snapshot snapshot_of(const struct fake *f)
 {
-    return (struct snapshot){&f->config, 200, f->elements, f->measured, f->n, f->pairs, f->n_pairs, NULL};
+    return (struct snapshot){&f->config, 200,       f->elements, f->measured, f->n,
+                             f->pairs,   f->forces, f->n_pairs,  NULL};
 }
 
 static void check_well_formed(const char *name)
@@ -167,6 +170,111 @@ TEST(lines_are_the_linked_pairs)
     fake_free(&f);
 }
 
+static const double *cell_values(const struct vtp *vtp, const char *name, size_t cells)
+{
+    const struct vtp_array *a = vtp_find(vtp, "CellData", name);
+    CHECK_REPORT(a != NULL && a->components == 1 && a->n_tuples == cells, "no array '%s' of %zu cells", name,
+                 cells);
+    if (a == NULL || a->n_tuples != cells)
+        exit(1);
+    return a->values;
+}
+
+/* Pairs follow the vertices in the arrays of cells, linked or not, across the seam or not. */
+static void check_pair_arrays(const struct fake *f, const struct vtp *vtp)
+{
+    size_t cells = f->n + f->n_pairs;
+    for (size_t p = 0; p < f->n_pairs; p++) {
+        size_t k = f->n + p;
+        CHECK_EQ_INT(cell_values(vtp, "id_a", cells)[k], f->pairs[p].id_a);
+        CHECK_EQ_INT(cell_values(vtp, "id_b", cells)[k], f->pairs[p].id_b);
+        CHECK_EQ_INT(cell_values(vtp, "linked", cells)[k], f->pairs[p].linked);
+        CHECK_SAME_BITS(cell_values(vtp, "force_x", cells)[k], f->forces[p].force[0]);
+        CHECK_SAME_BITS(cell_values(vtp, "force_y", cells)[k], f->forces[p].force[1]);
+        CHECK_SAME_BITS(cell_values(vtp, "normal", cells)[k], f->forces[p].normal);
+        CHECK_SAME_BITS(cell_values(vtp, "tangential", cells)[k], f->forces[p].tangential);
+    }
+    for (size_t i = 0; i < f->n; i++) {
+        CHECK_EQ_INT(cell_values(vtp, "id_a", cells)[i], f->elements[i].id);
+        CHECK_EQ_INT(cell_values(vtp, "id_b", cells)[i], f->elements[i].id);
+        CHECK_SAME_BITS(cell_values(vtp, "normal", cells)[i], 0.0);
+    }
+}
+
+TEST(pairs_have_their_forces)
+{
+    struct fake f;
+    struct vtp vtp;
+    struct dm2_error err = {0};
+    fake_make(&f, 6, 4);
+    struct snapshot s = snapshot_of(&f);
+    CHECK_EQ_INT(snapshot_write_vtp(scratch_path("f.vtp"), &s, &err), DM2_OK);
+    CHECK_EQ_INT(vtp_read(scratch_path("f.vtp"), &vtp, &err), DM2_OK);
+    check_pair_arrays(&f, &vtp);
+    vtp_free(&vtp);
+    fake_free(&f);
+}
+
+/* Rows alternate between the two bodies. Pairs within a body that is not shown are left out; those with one
+ * element that is shown have no length. */
+TEST(one_body_is_shown)
+{
+    struct fake f;
+    struct vtp vtp;
+    struct dm2_error err = {0};
+    bool bodies[2] = {false, true};
+    fake_make(&f, 6, 4);
+    f.config.output.bodies = bodies;
+    struct snapshot s = snapshot_of(&f);
+    CHECK_EQ_INT(snapshot_write_vtp(scratch_path("b.vtp"), &s, &err), DM2_OK);
+    CHECK_EQ_INT(vtp_read(scratch_path("b.vtp"), &vtp, &err), DM2_OK);
+    CHECK_EQ_INT(vtp.n_points, 12);
+    size_t pairs = 0, within = 0;
+    for (size_t p = 0; p < f.n_pairs; p++) {
+        int a = f.elements[f.pairs[p].id_a].body, b = f.elements[f.pairs[p].id_b].body;
+        pairs += a == 1 || b == 1;
+        within += a == 1 && b == 1 && f.pairs[p].linked;
+    }
+    CHECK_EQ_INT(vtp_find(&vtp, "CellData", "id_a")->n_tuples, 12 + pairs);
+    CHECK_EQ_INT(vtp.n_lines, within);
+    for (size_t i = 0; i < 12; i++)
+        CHECK_EQ_INT(f.elements[(size_t)values(&vtp, "id", 1)[i]].body, 1);
+    vtp_free(&vtp);
+    CHECK_EQ_INT(snapshot_write_xyz(scratch_path("b.xyz"), &s, &err), DM2_OK);
+    char *text = scratch_read("b.xyz", NULL);
+    CHECK_CONTAINS(text, "12\nLattice");
+    free(text);
+    fake_free(&f);
+}
+
+/* The words of `fields` are the names of the table, in its order, and `pairs`. */
+TEST(fields_are_chosen_by_name)
+{
+    struct fake f;
+    struct vtp vtp;
+    struct dm2_error err = {0};
+    const struct block_schema *block = schema_block(BLOCK_OUTPUT);
+    const struct deck_key *key = &block->keys[schema_find_key(block, "fields", 6)];
+    fake_make(&f, 3, 2);
+    CHECK_EQ_INT(OUTPUT_ALL_FIELDS, (1u << (SNAPSHOT_FIELDS + 1)) - 1u);
+    for (int k = 0; k <= SNAPSHOT_FIELDS; k++) {
+        const char *name = k < SNAPSHOT_FIELDS ? snapshot_fields[k].name : "pairs";
+        struct snapshot s = snapshot_of(&f);
+        CHECK_EQ_INT(schema_find_choice(key->choices, name, strlen(name)), k);
+        f.config.output.fields = 1u << k;
+        CHECK_EQ_INT(snapshot_write_vtp(scratch_path("k.vtp"), &s, &err), DM2_OK);
+        CHECK_EQ_INT(vtp_read(scratch_path("k.vtp"), &vtp, &err), DM2_OK);
+        for (int other = 0; other < SNAPSHOT_FIELDS; other++) {
+            const struct snapshot_field *field = &snapshot_fields[other];
+            bool there = other == k && (field->present == NULL || field->present(&s));
+            CHECK((vtp_find(&vtp, "PointData", field->name) != NULL) == there);
+        }
+        CHECK((vtp_find(&vtp, "CellData", "force_x") != NULL) == (k == SNAPSHOT_FIELDS));
+        vtp_free(&vtp);
+    }
+    fake_free(&f);
+}
+
 /* The link between the first and the last element of a row crosses the periodic seam. */
 TEST(no_line_across_the_seam)
 {
@@ -182,6 +290,7 @@ TEST(no_line_across_the_seam)
     CHECK_EQ_INT(snapshot_write_vtp(scratch_path("p.vtp"), &s, &err), DM2_OK);
     CHECK_EQ_INT(vtp_read(scratch_path("p.vtp"), &vtp, &err), DM2_OK);
     CHECK_EQ_INT(vtp.n_lines, 5);
+    check_pair_arrays(&f, &vtp);
     vtp_free(&vtp);
     f.config.periodic[0] = false;
     CHECK_EQ_INT(snapshot_write_vtp(scratch_path("p.vtp"), &s, &err), DM2_OK);
@@ -397,5 +506,6 @@ TEST(end)
 }
 
 TEST_MAIN(CASE(begin), CASE(vtp_round_trip), CASE(arrays_on_demand), CASE(lines_are_the_linked_pairs),
+          CASE(pairs_have_their_forces), CASE(one_body_is_shown), CASE(fields_are_chosen_by_name),
           CASE(no_line_across_the_seam), CASE(absent_element_of_a_pair), CASE(series), CASE(xyz_round_trip),
           CASE(reader_refuses), CASE(xml_refuses), CASE(end))

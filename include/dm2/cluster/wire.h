@@ -22,6 +22,7 @@ enum {
     WIRE_PAIR = 25,                    /* a struct pair_record */
     WIRE_CRACK = 34,                   /* a struct crack */
     WIRE_MEASURED = 56,                /* a struct element_measure */
+    WIRE_FORCE = 32,                   /* a struct pair_measure */
     WIRE_MEASURES = 330,               /* the measures without their probes */
     WIRE_BIN = 8 + 8 * 16              /* a struct profile_bin */
 };
@@ -41,6 +42,8 @@ void wire_get_element(struct bytes_reader *r, const struct record_limits *limits
 void wire_put_pair(struct bytes_writer *w, const struct pair_record *p);
 void wire_get_pair(struct bytes_reader *r, const struct record_limits *limits, struct pair_record *out);
 
+void wire_put_force(struct bytes_writer *w, const struct pair_measure *f);
+void wire_get_force(struct bytes_reader *r, struct pair_measure *out);
 /* A broken link. elements: of the whole run, more than any id. */
 void wire_put_crack(struct bytes_writer *w, const struct crack *c);
 void wire_get_crack(struct bytes_reader *r, uint64_t elements, struct crack *out);

@@ -237,6 +237,7 @@ struct profile_config {
     int64_t every;   /* steps between profiles, default 1/20 of the run, at least 1 */
 };
 
+#define OUTPUT_ALL_FIELDS ((UINT32_C(1) << 20) - 1)
 struct output_config {
     int64_t history_every;    /* steps between rows of history.csv, default 1/200 of the run, at least 1 */
     int64_t snapshot_every;   /* 0: no snapshots by interval */
@@ -245,6 +246,9 @@ struct output_config {
     int64_t *snapshot_at; /* further steps, ascending, without repeats */
     bool vtp, xyz;        /* formats; default vtp */
     bool strain;          /* measure the strain of elements; default no */
+    uint32_t fields; /* bit k: snapshots have field k of output/snapshot_fields, or behind these the pairs;
+                        default all */
+    bool *bodies;    /* [n_bodies] snapshots show the elements of the body; NULL: of all */
 };
 
 struct config {

@@ -59,6 +59,12 @@ struct element_measure {
     uint32_t contacts;  /* pairs in contact */
 };
 
+/* The force of a pair that touches or is linked, at the last force evaluation that measured, Mbar cm2. */
+struct pair_measure {
+    double force[2]; /* x, y on element id_a, -force on id_b; a whole multiple of the sums' quantum */
+    double normal, tangential; /* along n and t = (-n_y, n_x), n from id_b to id_a; normal > 0 pushes apart */
+};
+
 /* The index of the element with this id among n elements in id order; n where no element has the id. */
 size_t element_find(const struct element *elements, size_t n, uint32_t id);
 

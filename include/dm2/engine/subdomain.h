@@ -186,6 +186,13 @@ enum dm2_status subdomain_collect_pairs(const struct subdomain *sd, struct pair_
 enum dm2_status subdomain_collect_sections(const struct subdomain *sd,
                                            struct section_array out[SECTION_COUNT], struct dm2_error *err);
 
+/* The pairs that touch or are linked and whose lower id is owned, as of the last evaluation, a measuring one
+ * of a step that has a snapshot; sorted likewise, with their forces beside them. The caller frees *pairs and
+ * *forces with free(), also after a failure. */
+enum dm2_status subdomain_collect_acting(const struct subdomain *sd, struct pair_record **pairs,
+                                         struct pair_measure **forces, size_t *n_pairs,
+                                         struct dm2_error *err);
+
 /* Hands the state of the owned elements to `write` record by record (the functions of struct state_view), so
  * that a whole state never exists twice. Returns the status of `write`, or DM2_MEMORY. */
 typedef enum dm2_status (*subdomain_writer)(void *context, const struct state_view *state,

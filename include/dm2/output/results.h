@@ -111,11 +111,12 @@ enum dm2_status results_cracks(struct results *r, int64_t step, struct crack_lis
                                struct dm2_error *err);
 
 /* Writes the state at `step` in each format that the deck asks for, and its fragments to fragments.csv.
- * `elements` in id order, `measured` beside `elements`, `pairs` by (id_a, id_b). Also DM2_NUMERIC where a
- * pair names an absent element. */
+ * `elements` in id order, `measured` beside `elements`, `pairs` by (id_a, id_b), `forces` beside
+ * `pairs`. Also DM2_NUMERIC where a pair names an absent element. */
 enum dm2_status results_snapshot(struct results *r, int64_t step, const struct element *elements,
                                  const struct element_measure *measured, size_t n_elements,
-                                 const struct pair_record *pairs, size_t n_pairs, struct dm2_error *err);
+                                 const struct pair_record *pairs, const struct pair_measure *forces,
+                                 size_t n_pairs, struct dm2_error *err);
 
 /* Writes final.dm2, with the run's origin. */
 enum dm2_status results_final(struct results *r, const struct state_view *state, struct dm2_error *err);

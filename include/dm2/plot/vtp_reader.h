@@ -10,7 +10,7 @@
 enum { VTP_NAME_MAX = 64 };
 
 struct vtp_array {
-    char section[16]; /* FieldData, Points, Verts, Lines or PointData */
+    char section[16]; /* FieldData, Points, Verts, Lines, PointData or CellData */
     char name[VTP_NAME_MAX];
     size_t components, n_tuples;
     double *values; /* n_tuples x components */
@@ -28,7 +28,8 @@ struct vtp {
     struct vtp_names materials, bodies;
     /* Pointers into `arrays`. */
     const double *position; /* n_points x 3 */
-    const double *line;     /* n_lines x 2 indices of points, checked */
+    const double *line;     /* n_lines x 2 indices of points, checked: of the linked pairs whose line has a
+                               length; of all lines where the file has no array `linked` of cells */
 };
 
 /* Reads a .vtp into *out, which the caller frees with vtp_free; *out is empty after a failure. DM2_IO,
