@@ -421,6 +421,14 @@ static void print_run(FILE *to, const struct run_options *o, const struct run *r
     (void)fprintf(to, "steps %lld of %.6g us\n", (long long)run->config.steps, run->config.dt);
     (void)fprintf(to, "stable time step %.6g us (%s), chosen %.6g us = %.3g of it\n", stable, which,
                   run->config.dt, run->config.dt / stable);
+    for (size_t k = 0; k < run->config.n_walls; k++) {
+        const struct wall_config *w = &run->config.walls[k];
+        if (w->n_points == 0)
+            (void)fprintf(to, "wall %s: circle of radius %.6g cm\n", w->name, w->circle[2]);
+        else
+            (void)fprintf(to, "wall %s: %s line of %zu parts\n", w->name, w->closed ? "closed" : "open",
+                          w->n_points - 1);
+    }
     if (room.count > 0 && room.dt < stable)
         (void)fprintf(to, "elements of '%s' have room for %d of '%s': then %.3g us\n",
                       run->config.bodies[room.body].name, room.count, run->config.bodies[room.other].name,

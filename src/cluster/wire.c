@@ -355,9 +355,22 @@ static void get_homes(struct bytes_reader *r, const struct record_limits *limits
     }
 }
 
+static void get_walls(struct bytes_reader *r, const struct record_limits *limits, struct parcel *out)
+{
+    const struct section_kind *kind = &section_kinds[SECTION_WCON];
+    out->n_walls = bytes_get_count(r, kind->bytes);
+    out->walls = r->failed ? NULL : mem_zalloc(out->n_walls, sizeof *out->walls);
+    fail_unless(r, out->walls != NULL);
+    for (size_t k = 0; k < out->n_walls && !r->failed; k++) {
+        kind->get(r, &out->walls[k]);
+        fail_unless(r, kind->valid(&out->walls[k], limits, NULL));
+    }
+}
+
 void wire_put_parcel(struct bytes_writer *w, const struct parcel *p)
 {
-    if (p->n_migrants > UINT32_MAX || p->n_pairs > UINT32_MAX || p->n_mirrors > UINT32_MAX) {
+    if (p->n_migrants > UINT32_MAX || p->n_pairs > UINT32_MAX || p->n_mirrors > UINT32_MAX ||
+        p->n_walls > UINT32_MAX) {
         w->failed = true;
         return;
     }
@@ -367,6 +380,9 @@ void wire_put_parcel(struct bytes_writer *w, const struct parcel *p)
         wire_put_pair(w, &p->pairs[k]);
     put_elements(w, p->mirrors, p->n_mirrors, true);
     put_homes(w, p);
+    bytes_put_u32(w, (uint32_t)p->n_walls);
+    for (size_t k = 0; k < p->n_walls; k++)
+        section_kinds[SECTION_WCON].put(w, &p->walls[k]);
 }
 
 void wire_get_parcel(struct bytes_reader *r, const struct record_limits *limits, struct parcel *out)
@@ -380,6 +396,7 @@ void wire_get_parcel(struct bytes_reader *r, const struct record_limits *limits,
         wire_get_pair(r, limits, &out->pairs[k]);
     out->mirrors = get_elements(r, limits, &out->n_mirrors, true);
     get_homes(r, limits, out);
+    get_walls(r, limits, out);
     if (r->failed)
         wire_parcel_free(out);
 }
@@ -389,5 +406,6 @@ void wire_parcel_free(struct parcel *p)
     free(p->migrants);
     free(p->pairs);
     free(p->mirrors);
+    free(p->walls);
     *p = (struct parcel){0};
 }

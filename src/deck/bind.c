@@ -77,7 +77,7 @@ static bool kind_is_named(enum block_kind kind)
 {
     return kind == BLOCK_MATERIAL || kind == BLOCK_BODY || kind == BLOCK_PROBE || kind == BLOCK_PROFILE ||
            kind == BLOCK_VOID || kind == BLOCK_FLAW || kind == BLOCK_PHASE || kind == BLOCK_REACTION ||
-           kind == BLOCK_LOAD;
+           kind == BLOCK_LOAD || kind == BLOCK_WALL;
 }
 
 /* Checks the number of names between the word and the brace, and whether they are valid names. */
@@ -329,6 +329,7 @@ static const struct reaction_config initial_reaction = {.reactant = {-1, -1}, .p
 static const struct void_config initial_void = {.body = -1};
 static const struct flaw_config initial_flaw = {.body = -1};
 static const struct probe_config initial_probe = {.mover = -1, .bit = -1};
+static const struct wall_config initial_wall = {.material = -1};
 
 static const struct deck_things things[BLOCK_COUNT] = {
     [BLOCK_MATERIAL] = {MATERIAL_MAX, sizeof(struct material_config), offsetof(struct config, materials),
@@ -341,6 +342,8 @@ static const struct deck_things things[BLOCK_COUNT] = {
                     offsetof(struct config, n_voids), &initial_void, NULL},
     [BLOCK_FLAW] = {FLAW_MAX, sizeof(struct flaw_config), offsetof(struct config, flaws),
                     offsetof(struct config, n_flaws), &initial_flaw, NULL},
+    [BLOCK_WALL] = {WALL_MAX, sizeof(struct wall_config), offsetof(struct config, walls),
+                    offsetof(struct config, n_walls), &initial_wall, NULL},
     [BLOCK_PROBE] = {PROBE_MAX, sizeof(struct probe_config), offsetof(struct config, probes),
                      offsetof(struct config, n_probes), &initial_probe, finish_probe},
     [BLOCK_PROFILE] = {PROFILE_MAX, sizeof(struct profile_config), offsetof(struct config, profiles),
@@ -553,8 +556,8 @@ bool deck_bind(struct deck_binding *b, int64_t steps)
     c->output.vtp = true;
     c->output.fields = OUTPUT_ALL_FIELDS;
     bool ok = bind_things(b, BLOCK_MATERIAL) && bind_phases(b) && bind_things(b, BLOCK_REACTION) &&
-              bind_rules(b) && bind_things(b, BLOCK_BODY) && bind_loads(b) && bind_things(b, BLOCK_VOID) &&
-              bind_things(b, BLOCK_FLAW) && bind_things(b, BLOCK_PROBE);
+              bind_rules(b) && bind_things(b, BLOCK_BODY) && bind_things(b, BLOCK_WALL) && bind_loads(b) &&
+              bind_things(b, BLOCK_VOID) && bind_things(b, BLOCK_FLAW) && bind_things(b, BLOCK_PROBE);
     bind_single(b, BLOCK_DOMAIN);
     bind_single(b, BLOCK_TIME);
     if (binding_given(b, b->single[BLOCK_TIME], "dt"))
@@ -563,8 +566,9 @@ bool deck_bind(struct deck_binding *b, int64_t steps)
     check_missing_blocks(b);
     if (steps >= 0)
         c->steps = steps;
-    /* The domain and the time are bound by now; finish_profile takes defaults from them. */
+    /* The domain and the time are bound by now; finish_profile and walls_finish read them. */
     ok = bind_things(b, BLOCK_PROFILE) && bind_things(b, BLOCK_STOP) && ok;
+    walls_finish(b);
     if (c->output.history_every < 0)
         c->output.history_every = c->steps / 200 > 150 ? c->steps / 200 : 150;
     b->findings->no_memory |= !ok;

@@ -10,7 +10,7 @@
 #include "tree.h"
 
 enum { MATERIAL_MAX = 256, BODY_MAX = 65535, RULE_MAX = 1000, VOID_MAX = 10000, FLAW_MAX = 10000 };
-enum { PHASE_MAX = 256, REACTION_MAX = 1, STOP_MAX = 16 };
+enum { PHASE_MAX = 256, REACTION_MAX = 1, STOP_MAX = 16, WALL_MAX = 1000 };
 
 struct deck_binding {
     struct deck_tree *tree;
@@ -57,6 +57,15 @@ struct deck_place binding_place(const struct deck_binding *b, size_t block, cons
 /* Reads the values of one entry into `base`, the struct that its block fills. False: the value does not read,
  * and a finding was added. */
 bool value_read(struct deck_binding *b, const struct deck_key *key, struct deck_entry *entry, void *base);
+
+/* --- bind_walls.c --- */
+
+/* Reads the points of a wall's line. False: a finding was added, or there is no memory. */
+bool walls_read_points(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
+                       struct wall_config *wall);
+
+/* After the domain: which lines are closed? */
+void walls_finish(struct deck_binding *b);
 
 /* The index of the material that a value names. -1: no such material, a finding was added. */
 int binding_material(struct deck_binding *b, struct deck_place name);

@@ -78,5 +78,6 @@ bool deck_check(const struct deck_binding *b)
     check_stops(b);
     check_walls(b);
     check_loads(b);
+    check_lines(b);
     return check_bodies(b);
 }

@@ -17,6 +17,7 @@ void check_probes(const struct deck_binding *b, bool shapes_known); /* shapes_kn
 void check_materials(const struct deck_binding *b);
 void check_chemistry(const struct deck_binding *b); /* phases and the reaction */
 void check_loads(const struct deck_binding *b);     /* loads, and the spins of bodies */
-void check_walls(const struct deck_binding *b);     /* the sizes of walls' elements */
+void check_walls(const struct deck_binding *b);     /* the sizes of the elements of fixed, driven bodies */
+void check_lines(const struct deck_binding *b);     /* the blocks `wall` */
 
 #endif

@@ -70,12 +70,12 @@ const char *config_kind_name(const struct config *c, size_t kind, struct kind_na
 
 size_t config_movers(const struct config *c)
 {
-    return c->n_bodies;
+    return c->n_bodies + c->n_walls;
 }
 
 const char *config_mover_name(const struct config *c, size_t mover)
 {
-    return c->bodies[mover].name;
+    return mover < c->n_bodies ? c->bodies[mover].name : c->walls[mover - c->n_bodies].name;
 }
 
 const struct load_config *config_load(const struct config *c, size_t mover, enum load_quantity quantity)
@@ -137,6 +137,11 @@ void config_free(struct config *c)
         free(c->loads[i].mass_place);
     }
     free(c->loads);
+    for (size_t i = 0; i < c->n_walls; i++) {
+        free(c->walls[i].points);
+        free(c->walls[i].place);
+    }
+    free(c->walls);
     free(c->dt_place);
     free(c->materials);
     free(c->phases);

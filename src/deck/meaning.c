@@ -92,6 +92,13 @@ static bool put_mix(struct writer *w, const struct body_config *body)
     return !is_one_material(body);
 }
 
+static bool put_line(struct writer *w, const struct wall_config *wall)
+{
+    for (size_t k = 0; k < 2 * wall->n_points; k++)
+        (void)put_number(w, wall->points[k]);
+    return wall->n_points > 0;
+}
+
 /* --- values --- */
 
 static bool put_reals(struct writer *w, const struct deck_key *key, const void *at)
@@ -210,6 +217,8 @@ static bool put_value(struct writer *w, const struct deck_key *key, const void *
         return put_steps(w, &w->config->output);
     case VALUE_FORMATS:
         return put_formats(w, &w->config->output);
+    case VALUE_LINE:
+        return put_line(w, base);
     }
     return false;
 }
@@ -373,6 +382,7 @@ static void put_deck(struct writer *w)
     put_loads(w);
     put_things(w, BLOCK_VOID, false);
     put_things(w, BLOCK_FLAW, false);
+    put_things(w, BLOCK_WALL, true);
     put_things(w, BLOCK_PROBE, true);
     put_things(w, BLOCK_PROFILE, false);
     for (size_t k = 0; k < c->n_stops; k++)

@@ -271,6 +271,28 @@ static const struct deck_key flaw_keys[] = {
      .meaning = "the body that has the flaw"},
 };
 
+#define FIELD(f) .offset = offsetof(struct wall_config, f)
+static const struct deck_key wall_keys[] = {
+    {"line", VALUE_LINE, 1, LENGTH, ANY, .initial = "none: give `circle`",
+     .meaning = "`x0 y0 x1 y1 ...`: points that straight parts join, closed where the last point is the "
+                "first, also across a periodic side"},
+    {"circle", VALUE_REAL, 3, LENGTH, ANY, .initial = "none: give `line`", FIELD(circle),
+     .meaning = "`x y radius`"},
+    {"material", VALUE_MATERIALS, 1, PLAIN, ANY, .initial = "none: give `rigid`", FIELD(material),
+     .meaning = "whose interactions hold, as between two bodies"},
+    {"rigid", VALUE_FLAG, 1, PLAIN, ANY, .choices = "no|yes", .initial = "no", FIELD(rigid),
+     .meaning =
+         "`yes` in place of a material: an element meets its mirror image, with twice the stiffness of "
+         "its own law"},
+    {"velocity", VALUE_REAL, 2, VELOCITY, ANY, .initial = "0 0", FIELD(velocity),
+     .meaning = "for ever, whatever the forces"},
+    {"spin", VALUE_REAL, 1, SPIN, ANY, .initial = "0", FIELD(spin),
+     .meaning = "angle per time, anticlockwise, about the circle's centre or the mean of the points"},
+    {"temperature", VALUE_REAL, 1, TEMPERATURE, NOT_NEGATIVE, .initial = "none: no conduction",
+     FIELD(temperature), .meaning = "which heat does not change"},
+};
+#undef FIELD
+
 #define FIELD(f) .offset = offsetof(struct probe_config, f)
 static const struct deck_key probe_keys[] = {
     {"region", VALUE_REAL, 4, LENGTH, ANY, .initial = "none: give `body`", FIELD(box),
@@ -350,6 +372,7 @@ static const struct block_schema blocks[BLOCK_COUNT] = {
     [BLOCK_VOID] = {"void", "a name", false, false, KEYS(void_keys)},
     [BLOCK_FLAW] = {"flaw", "a name", false, false, KEYS(flaw_keys)},
     [BLOCK_LOAD] = {"load", "a name", false, false, load_keys, LOAD_KEYS},
+    [BLOCK_WALL] = {"wall", "a name", false, false, KEYS(wall_keys)},
     [BLOCK_PROBE] = {"probe", "a name", false, false, KEYS(probe_keys)},
     [BLOCK_PROFILE] = {"profile", "a name", false, false, KEYS(profile_keys)},
     [BLOCK_STOP] = {"stop", "nothing", false, false, KEYS(stop_keys)},

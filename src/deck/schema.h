@@ -22,6 +22,7 @@ enum block_kind {
     BLOCK_VOID,
     BLOCK_FLAW,
     BLOCK_LOAD,
+    BLOCK_WALL,
     BLOCK_PROBE,
     BLOCK_PROFILE,
     BLOCK_STOP,
@@ -47,7 +48,8 @@ enum value_type {
     VALUE_LIMIT,     /* the name of a probe, one of its quantities, above | below, a number */
     VALUE_STEPS,     /* a list of steps */
     VALUE_SET,       /* a list of words of `choices`, stored as a uint32_t: bit k for the k-th word */
-    VALUE_FORMATS    /* a list of vtp, xyz */
+    VALUE_FORMATS,   /* a list of vtp, xyz */
+    VALUE_LINE       /* pairs x y, the points of a wall's line */
 };
 
 struct deck_key {
@@ -61,8 +63,8 @@ struct deck_key {
     const char *choices; /* "a|b|c" */
     const char *initial; /* the default as docs/deck.md prints it: a value, or words where the default is
                             computed or absent; NULL: the keyword is required */
-    size_t offset; /* in the struct that the block fills; unused for VALUE_MATERIAL, VALUE_MIX, VALUE_STEPS
-                      and VALUE_FORMATS */
+    size_t offset; /* in the struct that the block fills; unused for VALUE_MATERIAL, VALUE_MIX, VALUE_STEPS,
+                      VALUE_FORMATS and VALUE_LINE */
     const char *meaning;
     enum deck_part part;
 };

@@ -80,9 +80,8 @@ static bool check_within(struct deck_binding *b, const struct deck_key *key, str
     return false;
 }
 
-/* Reads one number of the keyword's dimension and within its limits. */
-static bool read_real(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
-                      size_t i, double *out)
+bool value_read_real(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
+                     size_t i, double *out)
 {
     struct quantity q;
     struct dimension_text want, found;
@@ -100,18 +99,12 @@ static bool read_real(struct deck_binding *b, const struct deck_key *key, const 
     return true;
 }
 
-bool value_read_real(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
-                     size_t i, double *out)
-{
-    return read_real(b, key, entry, i, out);
-}
-
 static bool read_whole(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
                        size_t i, int64_t *out)
 {
     double value;
     struct number_text text;
-    if (!read_real(b, key, entry, i, &value))
+    if (!value_read_real(b, key, entry, i, &value))
         return false;
     if (value != floor(value) || value > WHOLE_MAX) {
         findings_error(b->findings, node_at(b, entry, i)->place,
@@ -172,7 +165,7 @@ static bool read_reals(struct deck_binding *b, const struct deck_key *key, const
     if (!check_count(b, key, entry, (size_t)key->count))
         return false;
     for (int i = 0; i < key->count; i++)
-        ok = read_real(b, key, entry, (size_t)i, &out[i]) && ok;
+        ok = value_read_real(b, key, entry, (size_t)i, &out[i]) && ok;
     return ok;
 }
 
@@ -233,7 +226,7 @@ static bool read_polygon(struct deck_binding *b, const struct deck_key *key, con
     }
     bool ok = true;
     for (size_t i = 0; i < n; i++)
-        ok = read_real(b, key, entry, i + 1, &shape->vertex[i / 2][i % 2]) && ok;
+        ok = value_read_real(b, key, entry, i + 1, &shape->vertex[i / 2][i % 2]) && ok;
     shape->n_vertices = n / 2;
     return ok;
 }
@@ -255,7 +248,7 @@ static bool read_shape(struct deck_binding *b, const struct deck_key *key, const
         return false;
     for (size_t i = 0; i + 1 < entry->n; i++) {
         double *at = kind == SHAPE_RECTANGLE ? &shape->box[i] : i < 2 ? &shape->centre[i] : &shape->radius;
-        ok = read_real(b, key, entry, i + 1, at) && ok;
+        ok = value_read_real(b, key, entry, i + 1, at) && ok;
     }
     return ok;
 }
@@ -425,7 +418,8 @@ static bool read_mix(struct deck_binding *b, const struct deck_key *key, const s
     for (size_t i = 0; i < entry->n / 2; i++) {
         struct deck_place name = word_at(b, entry, 2 * i);
         body->mix_material[i] = binding_material(b, name);
-        ok = read_real(b, key, entry, 2 * i + 1, &body->mix_fraction[i]) && ok && body->mix_material[i] >= 0;
+        ok = value_read_real(b, key, entry, 2 * i + 1, &body->mix_fraction[i]) && ok &&
+             body->mix_material[i] >= 0;
         for (size_t j = 0; j < i; j++) {
             if (body->mix_material[j] == body->mix_material[i] && body->mix_material[i] >= 0) {
                 findings_error(b->findings, name, "'%s' is in the mix twice",
@@ -493,7 +487,7 @@ static bool read_limit(struct deck_binding *b, const struct deck_key *key, const
     if (probe == NULL || which < 0 || above < 0)
         return false;
     number.dim = which < 2 ? (struct dimension){.length = 1} : (struct dimension){.length = 1, .time = -1};
-    if (!read_real(b, &number, entry, 3, &stop->value))
+    if (!value_read_real(b, &number, entry, 3, &stop->value))
         return false;
     stop->above = above == 1;
     (void)snprintf(stop->column, sizeof stop->column, "%s_%s", probe->name, names[which]);
@@ -543,66 +537,58 @@ static bool read_formats(struct deck_binding *b, const struct deck_key *key, con
     return true;
 }
 
-bool value_read(struct deck_binding *b, const struct deck_key *key, struct deck_entry *entry, void *base)
+static bool read_value(struct deck_binding *b, const struct deck_key *key, struct deck_entry *entry,
+                       void *base)
 {
     void *at = (char *)base + key->offset;
-    bool ok = false;
-    switch (entry->bad ? (enum value_type) - 1 : key->type) {
+    struct config *config = base;
+    switch (key->type) {
     case VALUE_REAL:
-        ok = read_reals(b, key, entry, at);
-        break;
+        return read_reals(b, key, entry, at);
     case VALUE_WHOLE:
-        ok = check_count(b, key, entry, 1) && read_whole(b, key, entry, 0, at);
-        break;
+        return check_count(b, key, entry, 1) && read_whole(b, key, entry, 0, at);
     case VALUE_CHOICE:
     case VALUE_FLAG:
-        ok = read_words(b, key, entry, at);
-        break;
+        return read_words(b, key, entry, at);
     case VALUE_SHAPE:
-        ok = read_shape(b, key, entry, at);
-        break;
+        return read_shape(b, key, entry, at);
     case VALUE_MATERIAL:
-        ok = read_material(b, key, entry, base);
-        break;
+        return read_material(b, key, entry, base);
     case VALUE_MATERIALS:
-        ok = read_materials(b, key, entry, at);
-        break;
+        return read_materials(b, key, entry, at);
     case VALUE_NAME:
-        ok = read_name(b, key, entry, at);
-        break;
+        return read_name(b, key, entry, at);
     case VALUE_BODY:
-        ok = read_body(b, key, entry, at);
-        break;
+        return read_body(b, key, entry, at);
     case VALUE_MOVERS:
-        ok = read_movers(b, key, entry, at);
-        break;
+        return read_movers(b, key, entry, at);
     case VALUE_FILE:
-        ok = read_file_name(b, key, entry);
-        break;
+        return read_file_name(b, key, entry);
     case VALUE_POINTS:
-        ok = load_read_points(b, key, entry, at);
-        break;
+        return load_read_points(b, key, entry, at);
     case VALUE_BODIES:
-        ok = read_bodies(b, entry, at);
-        break;
+        return read_bodies(b, entry, at);
     case VALUE_MIX:
-        ok = read_mix(b, key, entry, base);
-        break;
+        return read_mix(b, key, entry, base);
     case VALUE_SET:
-        ok = read_set(b, key, entry, at);
-        break;
+        return read_set(b, key, entry, at);
     case VALUE_LIMIT:
-        ok = read_limit(b, key, entry, base);
-        break;
+        return read_limit(b, key, entry, base);
     case VALUE_STEPS:
-        ok = read_steps(b, key, entry, &((struct config *)base)->output);
-        break;
+        return read_steps(b, key, entry, &config->output);
     case VALUE_FORMATS:
-        ok = read_formats(b, key, entry, &((struct config *)base)->output);
-        break;
+        return read_formats(b, key, entry, &config->output);
+    case VALUE_LINE:
+        return walls_read_points(b, key, entry, base);
     }
+    return false;
+}
+
+bool value_read(struct deck_binding *b, const struct deck_key *key, struct deck_entry *entry, void *base)
+{
+    bool ok = !entry->bad && read_value(b, key, entry, base);
     if (!ok && key->type == VALUE_REAL)
-        forget_reals(key, at);
+        forget_reals(key, (double *)(void *)((char *)base + key->offset));
     entry->bad = !ok;
     return ok;
 }

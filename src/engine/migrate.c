@@ -62,6 +62,8 @@ static int fill_parcels(struct subdomain *sd, int32_t *destination)
             return -1;
     }
     int failed = sd->n_leaving > 0 ? pair_memory_send(sd, destination) : 0;
+    if (failed == 0 && sd->n_leaving > 0)
+        failed = wall_memory_send(sd, destination);
     for (size_t i = 0; i < n && sd->n_leaving > 0; i++) {
         if (destination[i] >= 0)
             sd->cell_of[i] = -1;
@@ -75,7 +77,8 @@ enum dm2_status subdomain_sort_out(struct subdomain *sd, struct parcel *parcels,
     size_t n = sd->p.n_own;
     force_drop(&sd->pass, &sd->lists);
     for (int r = 0; r < sd->map.ranks; r++)
-        sd->neighbours[r].migrants.n = sd->neighbours[r].mirrors.n = sd->neighbours[r].pairs.n = 0;
+        sd->neighbours[r].migrants.n = sd->neighbours[r].mirrors.n = sd->neighbours[r].pairs.n =
+            sd->neighbours[r].walls.n = 0;
     int32_t *cells = mem_grown(sd->cell_of, &sd->cell_cap, 0, n, sizeof *cells);
     if (cells == NULL)
         return subdomain_no_memory(sd, err);
@@ -93,6 +96,8 @@ enum dm2_status subdomain_sort_out(struct subdomain *sd, struct parcel *parcels,
                                      .n_migrants = to->migrants.n,
                                      .pairs = to->pairs.item,
                                      .n_pairs = to->pairs.n,
+                                     .walls = to->walls.item,
+                                     .n_walls = to->walls.n,
                                      .mirrors = to->mirrors.item,
                                      .n_mirrors = to->mirrors.n};
     }
@@ -343,7 +348,7 @@ static enum dm2_status arrange_intake(struct subdomain *sd, const struct parcel 
         return status;
     subdomain_beat(sd);
     if (pair_memory_carry(sd, parcels, n_parcels, in->n_old, in->moved, in->old_id, initial) != 0 ||
-        build_send_lists(sd) != 0)
+        wall_memory_carry(sd, parcels, n_parcels, in->moved) != 0 || build_send_lists(sd) != 0)
         return subdomain_no_memory(sd, err);
     sd->p.r[2 * in->n] = sd->p.r[2 * in->n + 1] = sd->model->far_place;
     return DM2_OK;
@@ -370,7 +375,11 @@ enum dm2_status migrate_build_lists(struct subdomain *sd, bool initial, struct d
     if (n > 0)
         memcpy(anchor, sd->p.r, n * 2 * sizeof *anchor);
     sd->anchors_sorted = false;
-    enum dm2_status status = lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, initial, err);
+    enum dm2_status status = sd->model->n_walls > 0
+                                 ? walls_build(&sd->walls, sd->model, &sd->p, &sd->cells, sd->step, err)
+                                 : DM2_OK;
+    if (status == DM2_OK)
+        status = lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, initial, err);
     if (status == DM2_OK && sd->loading != NULL &&
         load_sums_build(&sd->load_sums, sd->model, &sd->p, &sd->lists) != 0)
         status = subdomain_no_memory(sd, err);

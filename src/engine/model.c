@@ -17,6 +17,7 @@
 #include "scales.h"
 #include "stability.h"
 #include "tables.h"
+#include "wall_shape.h"
 
 static const double second_shell = 0.6; /* in contact distances: sqrt(3) - 1, less a tenth or more */
 static const double pi = 0x1.921fb54442d18p1;
@@ -191,6 +192,8 @@ static enum dm2_status build_tables(struct model *m, struct dm2_error *err)
                         "interaction of this deck links or meets (scope = all): leave it out");
     status = grid_build(c->origin, c->size, c->periodic, c->r_c + c->delta_r, &m->grid, err);
     if (status == DM2_OK)
+        status = walls_make(m, err);
+    if (status == DM2_OK)
         status = count_elements(m, err);
     if (status != DM2_OK)
         return status;
@@ -239,6 +242,7 @@ void model_free(struct model *m)
 {
     if (m == NULL)
         return;
+    walls_unmake(m);
     free(m->kinds);
     free(m->laws);
     free(m->body_first);

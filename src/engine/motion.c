@@ -94,6 +94,12 @@ static struct mover_path find_path(const struct model *m, size_t mover)
         d.constant[1] = c->bodies[mover].velocity[1];
         d.constant[2] = c->bodies[mover].spin;
     }
+    if (mover >= c->n_bodies) {
+        const struct wall_config *w = &c->walls[mover - c->n_bodies];
+        d.constant[0] = w->velocity[0];
+        d.constant[1] = w->velocity[1];
+        d.constant[2] = w->spin;
+    }
     for (size_t i = 0; i < c->n_loads; i++) {
         if (c->loads[i].mover != mover)
             continue;

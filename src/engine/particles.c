@@ -76,7 +76,7 @@ static unsigned find_needs(const struct model *m)
                      (m->has_pressure || m->has_phases ? PRESSURE : 0u) | (m->has_kinds ? KINDS | HEAT : 0u) |
                      (m->reaction.any ? REACTION : 0u) | (m->has_strain ? STRAIN : 0u) |
                      (m->has_damping ? DAMPING : 0u) | (c->periodic[0] || c->periodic[1] ? PERIODIC : 0u) |
-                     (c->gravity[0] != 0.0 || c->gravity[1] != 0.0 ? WORK : 0u);
+                     (c->gravity[0] != 0.0 || c->gravity[1] != 0.0 || c->n_walls > 0 ? WORK : 0u);
     for (size_t b = 0; b < c->n_bodies; b++)
         needs |= (c->bodies[b].motion != MOTION_FREE ? WORK : 0u) | (config_is_placed(c, b) ? HOME : 0u);
     needs |= c->n_loads > 0 ? WORK : 0u;

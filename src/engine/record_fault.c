@@ -28,7 +28,8 @@ struct record_limits record_limits_of(const struct model *model)
                                   .bodies = c->n_bodies,
                                   .kinds = config_kinds(c),
                                   .probes = config_regions(c),
-                                  .movers = c->n_bodies,
+                                  .movers = c->n_bodies + c->n_walls,
+                                  .features = model->n_wall_features,
                                   .sections = section_has(c),
                                   .periodic = {c->periodic[0], c->periodic[1]},
                                   .model = model};

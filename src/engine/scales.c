@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "kinds.h"
+#include "wall_shape.h"
 
 /* The largest power of two that keeps |value| <= `largest` below 2^bits. */
 static double fixed_scale(double largest, int bits)
@@ -63,6 +64,11 @@ static struct ranges find_ranges(const struct model *m)
         range.heat = fmax(range.heat, 1e5 * law->conduction * c->dt);
         if (law_has_pairs(m, a, b, (enum relation)(i % RELATION_COUNT)))
             range.force = fmax(range.force, law->k * (law->eps12 > 0.0 ? sqrt(law->rm2) : r0));
+    }
+    for (size_t i = 0; i < m->n_walls * m->n_kinds; i++) {
+        const struct pair_law *law = &m->walls[i / m->n_kinds].laws[i % m->n_kinds];
+        range.force = fmax(range.force, law->k * r0);
+        range.heat = fmax(range.heat, 1e5 * law->conduction * c->dt);
     }
     for (size_t b = 0; b < c->n_bodies; b++) {
         for (size_t i = 0; i < c->bodies[b].n_mix; i++) {

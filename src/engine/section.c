@@ -187,7 +187,7 @@ const struct section_kind section_kinds[SECTION_COUNT] = {
 
 unsigned section_has(const struct config *config)
 {
-    unsigned has = 0;
+    unsigned has = config->n_walls > 0 ? 1u << SECTION_WCON : 0u;
     for (size_t b = 0; b < config->n_bodies; b++)
         has |= config_is_placed(config, b) ? 1u << SECTION_HOME : 0u;
     for (size_t i = 0; i < config->n_loads; i++)

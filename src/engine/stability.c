@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "kinds.h"
+#include "wall_shape.h"
 
 static const double root3 = 0x1.bb67ae8584caap0;
 
@@ -49,6 +50,27 @@ static void limit_by_law(struct model *m, double mass, double m_eff, size_t a, s
     }
 }
 
+/* The largest stable step of an element of mass m among walls of this law, which do not give way: half of the
+ * stiffness and damping of six neighbours, with m_eff = m. */
+static void limit_by_wall(struct model *m, double mass, size_t a, const struct wall *w)
+{
+    static const char *const modes[2][2] = {{"translation against a wall", "damping against a wall"},
+                                            {"rotation against a wall", "damping of the rotation against a "
+                                                                        "wall"}};
+    const struct pair_law *law = &w->laws[a];
+    size_t b = w->config->material < 0 ? a : (size_t)w->config->material;
+    double root = sqrt(mass), cp = m->kinds[a].cp;
+    double omega2[2] = {(3.0 * law->k + law->kt_contact) / mass, 12.0 * law->kt_contact / mass};
+    double gamma[2] = {(3.0 * law->cn + law->ct) * root / mass, 12.0 * law->ct * root / mass};
+    for (int mode = 0; mode < 2; mode++) {
+        double g = gamma[mode], o = omega2[mode], dt = mode_limit(o, g);
+        limit_time_step(m, dt, modes[mode][2.0 * g > o * dt], a, b);
+    }
+    if (law->conduction > 0.0 && isfinite(cp) && !isnan(w->config->temperature))
+        limit_time_step(m, 2.0 * mass * cp / (6.0 / root3 * law->conduction), "heat conduction of a wall", a,
+                        b);
+}
+
 /* Goes through all elements of the deck and all laws that can act on them. m_eff is the effective mass of the
  * two kinds where the law has constants by mass (cn_mass >= 0), and otherwise the effective mass with the
  * heaviest element of the deck as partner, which is never too small. Heat conduction: 9 kappa/sqrt(3) / (m
@@ -67,6 +89,8 @@ void stability_find_time_step(struct model *m)
         for (size_t i = 0; i < c->bodies[body].n_mix; i++) {
             int material = c->bodies[body].mix_material[i];
             double mass = kind_mass(&c->materials[material], c->bodies[body].radius);
+            for (size_t w = 0; w < m->n_walls && c->bodies[body].motion == MOTION_FREE; w++)
+                limit_by_wall(m, mass, (size_t)material, &m->walls[w]);
             for (size_t k = 0; k < m->n_kinds * m->n_kinds * RELATION_COUNT; k++) {
                 size_t a = k / RELATION_COUNT / m->n_kinds, b = k / RELATION_COUNT % m->n_kinds;
                 const struct pair_law *law = &m->laws[k];

@@ -22,7 +22,7 @@ enum dm2_status state_origin_build(const struct model *model, struct state_origi
     size_t kinds = config_kinds(c);
     *out = (struct state_origin){.next_id = (uint32_t)model->n_elements,
                                  .next_grain = (uint32_t)model->n_grains,
-                                 .names = mem_zalloc(kinds + c->n_bodies, sizeof *out->names)};
+                                 .names = mem_zalloc(kinds + c->n_bodies + c->n_walls, sizeof *out->names)};
     if (out->names == NULL)
         return dm2_fail(err, DM2_MEMORY, "no memory for the names of a state");
     for (size_t k = 0; k < kinds; k++) {
@@ -31,6 +31,8 @@ enum dm2_status state_origin_build(const struct model *model, struct state_origi
     }
     for (size_t b = 0; b < c->n_bodies; b++)
         add_name(out, NAME_BODY, c->bodies[b].name);
+    for (size_t w = 0; w < c->n_walls; w++)
+        add_name(out, NAME_WALL, c->walls[w].name);
     struct deck_meaning meaning;
     enum dm2_status status = meaning_build(c, 1u << PART_MEANING, &meaning, err);
     if (status != DM2_OK) {

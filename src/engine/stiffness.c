@@ -26,7 +26,7 @@ static struct sum_layout layout_of(const struct model *m)
     const size_t laws = m->n_kinds * m->n_kinds * RELATION_COUNT;
     bool damps = false;
     for (size_t k = 0; k < laws && !damps; k++)
-        damps = m->laws[k].cn > 0.0 || m->laws[k].ct > 0.0;
+        damps = m->laws[k].cn > 0.0 || m->laws[k].ct > 0.0; /* of walls, too: theirs are laws of the table */
     struct sum_layout at = {.c = damps ? 3 : 0, .count = damps ? 6 : 3};
     if (m->has_spin) {
         at.turn = at.count;
@@ -184,6 +184,63 @@ static int64_t fix_heat(const struct model *m, const struct particles *p, const 
     return to_fixed(law_lesser(0.375 * part->conductance * m->config->dt * w / one * heat_scale, range));
 }
 
+/* Fills *out for an entry of slot i; false where it does not touch. As find_part for a driven partner, with
+ * m_eff the mass of the element. */
+static bool find_wall_part(const struct model *m, const struct particles *p, size_t i,
+                           const struct wall_pose *pose, const struct wall_entry *entry, double scale,
+                           struct pair_part *out)
+{
+    const struct wall *w = walls_of_feature(m, entry->feature);
+    struct wall_meeting at;
+    if (entry->sign == 0)
+        return false;
+    pose += w - m->walls;
+    wall_meet(m, w, pose, p, i, entry, &at);
+    const struct pair_law *law = &w->laws[p->kind[i]];
+    const struct bond bond = law_bond(law, 2.0 * p->radius[i]);
+    double r = at.d + p->radius[i], root = sqrt(p->mass[i]), of_c = scale * (2.0 / m->config->dt);
+    double pressure = p->p != NULL ? p->p[i] : 0.0,
+           warm = isnan(pose->temperature) ? particles_temperature(p, m, i) : pose->temperature;
+    double change =
+        1.0 + law->a_p * pressure + law->a_t * (0.5 * (particles_temperature(p, m, i) + warm) - law->t0_mean);
+    change = change > 0.0 ? change : 0.0;
+    *out =
+        (struct pair_part){.xx = at.n[0] * at.n[0],
+                           .yy = at.n[1] * at.n[1],
+                           .xy = at.n[0] * at.n[1],
+                           .k = scale * curvature(law, &bond, r),
+                           .c = of_c * law->cn * root * change,
+                           .kt = m->has_spin ? scale * law->kt_contact : 0.0,
+                           .ct = m->has_spin ? of_c * law->ct * root * change : 0.0,
+                           .compression = 1.0 - r * bond.over_r0,
+                           .conductance = isnan(pose->temperature) ? 0.0 : law->conduction * bond.area / r};
+    return true;
+}
+
+/* Adds the contacts with walls of row `row` to the sums of slot i. */
+static void add_walls(const struct model *m, const struct particles *p, const struct walls *ws, size_t row,
+                      const struct sum_layout *at, int64_t *sum, struct stiffness *out)
+{
+    size_t i = ws->slot[row];
+    for (uint32_t k = ws->start[row]; k < ws->start[row + 1]; k++) {
+        struct pair_part part;
+        int64_t fixed[LAYOUT_MOST] = {0};
+        const int sign = ws->entry[k].sign;
+        if (!find_wall_part(m, p, i, ws->pose, &ws->entry[k], m->fixed.stiffness, &part))
+            continue;
+        if (!is_driven(p, i))
+            fix_part(at, &part, p->mass[i], p->mass[i], true, fixed);
+        double capacity = p->mass[i] * particles_heat_capacity(p, m, i);
+        if (at->heat > 0 && isfinite(capacity))
+            fixed[at->heat] =
+                to_fixed(law_lesser(0.375 * part.conductance * m->config->dt / capacity * heat_scale, range));
+        for (size_t c = 0; c < at->count; c++)
+            sum[c] += sign * fixed[c];
+        if (!is_driven(p, i) && part.compression > out->compression)
+            out->compression = part.compression;
+    }
+}
+
 /* The largest eigenvalue of the symmetric tensor xx, yy, xy. */
 static double largest_eigenvalue(const int64_t *sum)
 {
@@ -273,13 +330,16 @@ DM2_INLINE void add_row(const struct model *m, const struct particles *p, const 
 
 /* All rows, one after the other; an element's sums are complete after its own row, and are set to 0. */
 DM2_INLINE void add_rows(const struct model *m, const struct particles *p, const struct lists *l,
-                         const struct sum_layout *at, int64_t *sum, const struct places *places,
-                         struct stiffness *out)
+                         const struct walls *ws, const struct sum_layout *at, int64_t *sum,
+                         const struct places *places, struct stiffness *out)
 {
     const struct period period = period_of(&m->grid);
+    size_t row = 0;
     for (size_t i = 0; i < p->n_own; i++) {
         int64_t *own = sum + place_of(places, i) * at->count;
         add_row(m, p, l, &period, i, at, sum, places, out);
+        if (row < ws->n_rows && ws->slot[row] == i)
+            add_walls(m, p, ws, row++, at, own, out);
         double share = element_share(m, p, i, at, own, 1.0 / m->fixed.stiffness);
         out->dt_share = share > out->dt_share ? share : out->dt_share;
         for (size_t c = 0; c < at->count; c++)
@@ -288,21 +348,24 @@ DM2_INLINE void add_rows(const struct model *m, const struct particles *p, const
 }
 
 DM2_WIDE static void add_rows_all(const struct model *m, const struct particles *p, const struct lists *l,
-                                  int64_t *sum, const struct places *places, struct stiffness *out)
+                                  const struct walls *ws, int64_t *sum, const struct places *places,
+                                  struct stiffness *out)
 {
     const struct sum_layout at = {.c = 3, .turn = 6, .count = LAYOUT_MECHANICAL};
-    add_rows(m, p, l, &at, sum, places, out);
+    add_rows(m, p, l, ws, &at, sum, places, out);
 }
 
 DM2_WIDE static void add_rows_some(const struct model *m, const struct particles *p, const struct lists *l,
-                                   int64_t *sum, const struct places *places, struct stiffness *out)
+                                   const struct walls *ws, int64_t *sum, const struct places *places,
+                                   struct stiffness *out)
 {
     const struct sum_layout at = layout_of(m);
-    add_rows(m, p, l, &at, sum, places, out);
+    add_rows(m, p, l, ws, &at, sum, places, out);
 }
 
 enum dm2_status stiffness_measure(const struct model *m, const struct particles *p, const struct lists *l,
-                                  struct stiffness_sums *s, struct stiffness *out, struct dm2_error *err)
+                                  const struct walls *walls, struct stiffness_sums *s, struct stiffness *out,
+                                  struct dm2_error *err)
 {
     *out = (struct stiffness){0};
     if (!m->has_near || m->has_far || p->n_own == 0)
@@ -316,8 +379,8 @@ enum dm2_status stiffness_measure(const struct model *m, const struct particles 
     s->sum = sum;
     memset(sum, 0, n * at.count * sizeof *sum);
     if (at.count == LAYOUT_MECHANICAL && at.heat == 0)
-        add_rows_all(m, p, l, sum, &places, out);
+        add_rows_all(m, p, l, walls, sum, &places, out);
     else
-        add_rows_some(m, p, l, sum, &places, out);
+        add_rows_some(m, p, l, walls, sum, &places, out);
     return DM2_OK;
 }

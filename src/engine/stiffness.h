@@ -17,6 +17,7 @@
 #include "dm2/base/status.h"
 #include "lists.h"
 #include "particles.h"
+#include "wall.h"
 
 /* Working room of one subdomain; zeroed at the start. */
 struct stiffness_sums {
@@ -34,8 +35,9 @@ struct stiffness {
 
 /* Fills *out at the present positions. The lists give the status of pairs, so force_evaluate comes first, and
  * the pressures are those that it used. 0 where a potential has scope `all`, because far pairs are not
- * counted. DM2_MEMORY. */
+ * counted. A wall counts as a driven partner. DM2_MEMORY. */
 enum dm2_status stiffness_measure(const struct model *m, const struct particles *p, const struct lists *lists,
-                                  struct stiffness_sums *s, struct stiffness *out, struct dm2_error *err);
+                                  const struct walls *walls, struct stiffness_sums *s, struct stiffness *out,
+                                  struct dm2_error *err);
 
 #endif

@@ -49,6 +49,8 @@ static enum dm2_status open_subdomain(const struct model *model, const struct do
         sd->p.drives = sd->drives = mem_zalloc(model->config->n_bodies, sizeof *sd->drives);
     if (sd->neighbours == NULL || (model->has_drives && sd->drives == NULL))
         return subdomain_no_memory(sd, err);
+    if (model->n_walls > 0 && walls_start(&sd->walls, model, err) != DM2_OK)
+        return DM2_MEMORY;
     enum dm2_status status = loading_open(model, step, &sd->loading, err);
     return status == DM2_OK ? cells_build(&sd->cells, map, rank, err) : status;
 }
@@ -73,15 +75,18 @@ static enum dm2_status choose_element(void *context, const struct element *e, st
 /* Puts the elements of *chosen into a new subdomain and builds its lists. The records are freed as soon as
  * the elements are in their slots, because the lists need the room. */
 static enum dm2_status place_chosen(struct subdomain *sd, struct chooser *chosen,
-                                    const struct pair_record *pairs, size_t n_pairs, bool initial,
-                                    struct dm2_error *err)
+                                    const struct state_view *state, bool initial, struct dm2_error *err)
 {
     struct parcel parcel = {.migrants = chosen->own.item,
                             .n_migrants = chosen->own.n,
                             .mirrors = chosen->mirrors.item,
-                            .n_mirrors = chosen->mirrors.n,
-                            .pairs = (struct pair_record *)pairs,
-                            .n_pairs = n_pairs};
+                            .n_mirrors = chosen->mirrors.n};
+    if (state != NULL) {
+        parcel.pairs = (struct pair_record *)state->pairs;
+        parcel.n_pairs = state->n_pairs;
+        parcel.walls = state->sections[SECTION_WCON].records;
+        parcel.n_walls = state->sections[SECTION_WCON].n;
+    }
     enum dm2_status status = migrate_arrange(sd, &parcel, 1, initial, err);
     free(chosen->own.item);
     free(chosen->mirrors.item);
@@ -113,7 +118,7 @@ enum dm2_status subdomain_create(const struct model *model, const struct domain_
     if (status == DM2_OK)
         status = generate_elements(model, choose_element, &chosen, err);
     if (status == DM2_OK)
-        status = place_chosen(*out, &chosen, NULL, 0, true, err);
+        status = place_chosen(*out, &chosen, NULL, true, err);
     free(chosen.own.item);
     free(chosen.mirrors.item);
     if (status != DM2_OK) {
@@ -149,7 +154,7 @@ enum dm2_status subdomain_restore(const struct model *model, const struct domain
     free(homes.records);
     /* All elements are newcomers or mirrors, so that sd->ids holds the id of every element of a pair. */
     if (status == DM2_OK)
-        status = place_chosen(*out, &chosen, state->pairs, state->n_pairs, false, err);
+        status = place_chosen(*out, &chosen, state, false, err);
     free(chosen.own.item);
     free(chosen.mirrors.item);
     if (status != DM2_OK) {
@@ -167,6 +172,7 @@ void subdomain_free(struct subdomain *sd)
         free(sd->neighbours[r].migrants.item);
         free(sd->neighbours[r].mirrors.item);
         free(sd->neighbours[r].pairs.item);
+        free(sd->neighbours[r].walls.item);
         free(sd->neighbours[r].send.item);
     }
     free(sd->neighbours);
@@ -176,6 +182,7 @@ void subdomain_free(struct subdomain *sd)
     loading_free(sd->loading);
     load_sums_free(&sd->load_sums);
     lists_free(&sd->lists);
+    walls_free(&sd->walls);
     strain_free(&sd->strain);
     stiffness_free(&sd->stiff);
     idmap_free(&sd->ids);
@@ -214,17 +221,17 @@ const struct overlap *subdomain_overlap(const struct subdomain *sd)
 size_t subdomain_bytes(const struct subdomain *sd)
 {
     size_t bytes = sizeof *sd + particles_bytes(&sd->p) + lists_bytes(&sd->lists) +
-                   sd->lists.cracks.cap * sizeof *sd->lists.cracks.items +
-                   cells_bytes(&sd->cells, &sd->map) + sd->cell_cap * sizeof *sd->cell_of +
-                   sd->ids.slots * 8 + sd->from.cap + sd->moved.cap + sd->old_id.cap + sd->anchors.cap +
-                   sd->spreads.cap + bins_bytes(&sd->anchor_bins) +
+                   sd->lists.cracks.cap * sizeof *sd->lists.cracks.items + cells_bytes(&sd->cells, &sd->map) +
+                   sd->cell_cap * sizeof *sd->cell_of + sd->ids.slots * 8 + sd->from.cap + sd->moved.cap +
+                   sd->old_id.cap + sd->anchors.cap + sd->spreads.cap + bins_bytes(&sd->anchor_bins) +
                    sd->strain.cap * STRAIN_SUMS * sizeof *sd->strain.sum + stiffness_bytes(&sd->stiff) +
-                   sd->reacted.cap * sizeof *sd->reacted.item +
+                   sd->reacted.cap * sizeof *sd->reacted.item + walls_bytes(&sd->walls, sd->model) +
                    (sd->loading != NULL ? sizeof *sd->loading : 0) + load_sums_bytes(&sd->load_sums);
     for (int r = 0; r < sd->map.ranks; r++)
         bytes += sd->neighbours[r].send.cap * sizeof(uint32_t) +
                  (sd->neighbours[r].migrants.cap + sd->neighbours[r].mirrors.cap) * sizeof(struct element) +
-                 sd->neighbours[r].pairs.cap * sizeof(struct pair_record);
+                 sd->neighbours[r].pairs.cap * sizeof(struct pair_record) +
+                 sd->neighbours[r].walls.cap * sizeof(struct wall_contact);
     return bytes;
 }
 
@@ -277,10 +284,13 @@ enum dm2_status subdomain_forces(struct subdomain *sd, bool measure, struct dm2_
         status = force_evaluate(sd->model, &sd->p, &sd->lists, leapfrog_kick_time(sd->model, sd->step),
                                 leapfrog_path_time(sd->model, sd->step), totals ? &sd->totals : NULL,
                                 sd->step, err);
+    if (status == DM2_OK && m->n_walls > 0)
+        status = walls_evaluate(&sd->walls, m, &sd->p, sd->step, leapfrog_kick_time(m, sd->step),
+                                leapfrog_path_time(m, sd->step), totals ? &sd->totals : NULL, err);
     subdomain_beat(sd);
     sd->stiffness = (struct stiffness){0};
     if (status == DM2_OK && measure && schedule_limit(m->config, sd->step))
-        status = stiffness_measure(m, &sd->p, &sd->lists, &sd->stiff, &sd->stiffness, err);
+        status = stiffness_measure(m, &sd->p, &sd->lists, &sd->walls, &sd->stiff, &sd->stiffness, err);
     if (status == DM2_OK && m->reaction.any)
         status = reaction_evaluate(m, &sd->p, &sd->lists, leapfrog_kick_time(m, sd->step), sd->step,
                                    &sd->reacted, err);
@@ -330,7 +340,14 @@ static enum dm2_status integrate_motion(struct subdomain *sd, bool drift, double
         probes_start(sd->model, out);
     }
     subdomain_beat(sd);
+    double share = sd->step == 0 ? 0.0 : 0.5; /* of the work counts at the whole step */
+    walls_add_work(&sd->walls, &sd->p, share);
     enum dm2_status status = leapfrog_move(sd->model, &sd->p, sd->step, drift, dmax, out, err);
+    if (status == DM2_OK && drift && sd->model->n_walls > 0) {
+        double moved = walls_moved(sd->model, sd->step);
+        *dmax = moved > *dmax ? moved : *dmax;
+        walls_add_work(&sd->walls, &sd->p, 1.0 - share);
+    }
     sd->times.integrate += clock_now() - started;
     return status;
 }
@@ -426,9 +443,10 @@ enum dm2_status subdomain_collect_acting(const struct subdomain *sd, struct pair
 enum dm2_status subdomain_collect_sections(const struct subdomain *sd,
                                            struct section_array out[SECTION_COUNT], struct dm2_error *err)
 {
-    return (section_has(sd->model->config) & 1u << SECTION_HOME) != 0
-               ? homes_collect(sd->model, &sd->p, &out[SECTION_HOME], err)
-               : DM2_OK;
+    enum dm2_status status = DM2_OK;
+    if ((section_has(sd->model->config) & 1u << SECTION_HOME) != 0)
+        status = homes_collect(sd->model, &sd->p, &out[SECTION_HOME], err);
+    return status == DM2_OK ? wall_memory_collect(sd, &out[SECTION_WCON], err) : status;
 }
 
 static void read_element(const void *context, size_t k, struct element *out)

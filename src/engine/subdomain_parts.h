@@ -32,6 +32,7 @@
 #include "stiffness.h"
 #include "strain.h"
 #include "tables.h"
+#include "wall.h"
 
 /* A block that is kept from rebuild to rebuild, because getting a large block anew costs more than filling
  * it. */
@@ -50,6 +51,11 @@ struct pair_array {
     size_t n, cap;
 };
 
+struct wall_array {
+    struct wall_contact *item;
+    size_t n, cap;
+};
+
 struct slot_array {
     uint32_t *item;
     size_t n, cap;
@@ -59,6 +65,7 @@ struct slot_array {
 struct neighbour {
     struct element_array migrants, mirrors; /* of the parcel being made */
     struct pair_array pairs;                /* likewise */
+    struct wall_array walls;                /* likewise */
     struct slot_array send;                 /* owned slots that the rank mirrors, by id */
     size_t mirror_begin, mirror_end;        /* slots mirrored from the rank */
 };
@@ -84,7 +91,8 @@ struct subdomain {
     size_t n_leaving; /* emigrants of the last subdomain_sort_out, still in their slots until
                          subdomain_take_in */
     struct pair_totals totals;
-    struct pass pass; /* the evaluation under way, where subdomain_forces_ahead began it */
+    struct pass pass;   /* the evaluation under way, where subdomain_forces_ahead began it */
+    struct walls walls; /* all NULL in a deck without walls */
     struct strain_sums strain;
     struct body_drive *drives; /* [n_bodies], p.drives; NULL: the deck has none */
     struct stiffness_sums stiff;
@@ -166,5 +174,16 @@ int pair_memory_send(struct subdomain *sd, const int32_t *destination);
  * memory. */
 int pair_memory_carry(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels, size_t n_old,
                       const uint32_t *moved, const uint32_t *old_id, bool initial);
+
+/* --- wall_memory.c --- */
+
+/* pair_memory_send and pair_memory_carry for the contacts with walls; 0 in a deck without walls. */
+int wall_memory_send(struct subdomain *sd, const int32_t *destination);
+int wall_memory_carry(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels,
+                      const uint32_t *moved);
+
+/* Appends the memory of the owned elements' contacts with walls to *out, sorted. DM2_MEMORY. */
+enum dm2_status wall_memory_collect(const struct subdomain *sd, struct section_array *out,
+                                    struct dm2_error *err);
 
 #endif

@@ -57,6 +57,7 @@ struct probe_table {
     uint64_t *of_body;             /* [n_bodies] bit p: probe p is of this body */
     uint64_t porous;               /* bit p: probe p reports porosity */
 };
+struct wall; /* wall_shape.h */
 
 struct model {
     const struct config *config;
@@ -106,6 +107,9 @@ struct model {
     double *centroids; /* [n_bodies][2] centres of mass at the start, not wrapped, cm; of bodies with
                           motion_needs_centroid; NULL while elements are counted */
     struct probe_table probes;
+    size_t n_walls;
+    struct wall *walls;     /* [n_walls] */
+    size_t n_wall_features; /* of all walls */
 };
 
 /* The law of an ordered pair of kinds. */

@@ -63,6 +63,8 @@ static void value_text(const struct deck_key *key, char *out, size_t size)
     case VALUE_STEPS:
         (void)snprintf(out, size, "whole numbers");
         break;
+    case VALUE_LINE:
+        (void)snprintf(out, size, "numbers, cm");
     }
 }
 

@@ -64,9 +64,9 @@ void wire_get_overlap(struct bytes_reader *r, struct overlap *out);
 void wire_put_bin(struct bytes_writer *w, const struct profile_bin *b);
 void wire_get_bin(struct bytes_reader *r, struct profile_bin *out);
 
-/* Migrants, pairs and mirrors, each behind its count as u32; a count above UINT32_MAX fails the writer.
- * wire_get_parcel gives arrays that the caller frees with wire_parcel_free; where the reader fails, also for
- * lack of memory, *out is empty. */
+/* Migrants, pairs, mirrors and wall contacts, each behind its count as u32; a count above UINT32_MAX fails
+ * the writer. wire_get_parcel gives arrays that the caller frees with wire_parcel_free; where the reader
+ * fails, also for lack of memory, *out is empty. */
 void wire_put_parcel(struct bytes_writer *w, const struct parcel *p);
 void wire_get_parcel(struct bytes_reader *r, const struct record_limits *limits, struct parcel *out);
 void wire_parcel_free(struct parcel *p);

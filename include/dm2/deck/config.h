@@ -226,6 +226,23 @@ struct stop_config {
     double after;                     /* us, default 0 */
 };
 
+/* wall NAME { ... }: a line or a circle without thickness that elements touch. */
+struct wall_config {
+    name_text name;
+    size_t n_points; /* of the line, at least 2; 0: a circle */
+    double *points; /* [n_points][2], cm; NULL: a circle. Of a closed line the last point is the first one, or
+                       the image of the first one across a periodic side */
+    bool closed;    /* the line's ends meet */
+    int seam[2];    /* of a closed line: sizes of the domain from the first point to the last */
+    double circle[3];   /* x y radius, cm; NaN: a line */
+    int material;       /* -1: rigid */
+    bool rigid;         /* twice the stiffness of the element's own law */
+    double velocity[2]; /* cm/us */
+    double spin;        /* 1/us, about the circle's centre or the mean of the points */
+    double temperature; /* K; NaN: no conduction */
+    char *place;        /* of the block in the deck, for config_fail; NULL: unknown */
+};
+
 enum axis_kind { AXIS_X, AXIS_Y };
 
 /* profile NAME { axis = x|y ... }: means over bins along an axis, in profile-NAME.csv. */
@@ -264,7 +281,7 @@ struct config {
     double gravity[2]; /* body acceleration, cm/us2 */
     double damping;    /* alpha of local damping, 0 <= alpha < 1; 0 by default */
     size_t n_materials, n_phases, n_reactions, n_bodies, n_probes, n_profiles, n_voids, n_flaws, n_loads,
-        n_stops;
+        n_stops, n_walls;
     struct material_config *materials;
     struct phase_config *phases;       /* in deck order: kind n_materials + i is phase i */
     struct reaction_config *reactions; /* none or one */
@@ -275,6 +292,7 @@ struct config {
     struct void_config *voids;
     struct flaw_config *flaws;
     struct load_config *loads;
+    struct wall_config *walls;
     struct output_config output;
     struct interaction_rule *rules; /* rules of interactions, resolved by config_interaction */
     size_t n_rules;

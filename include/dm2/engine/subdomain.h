@@ -38,6 +38,7 @@
 #include "dm2/engine/overlap.h"
 #include "dm2/engine/rebuild.h"
 #include "dm2/engine/section.h"
+#include "dm2/engine/wall_sums.h"
 
 /* The memory that a subdomain takes for each of its cells, beside its elements, bytes. */
 enum { SUBDOMAIN_CELL_BYTES = 49 };
@@ -153,6 +154,8 @@ struct parcel {
     size_t n_migrants;
     struct pair_record *pairs; /* the memory of all pairs of the migrants */
     size_t n_pairs;
+    struct wall_contact *walls; /* the memory of all wall contacts of the migrants */
+    size_t n_walls;
     struct element *mirrors; /* elements in cells that the receiver mirrors */
     size_t n_mirrors;
 };
@@ -167,6 +170,19 @@ enum dm2_status subdomain_sort_out(struct subdomain *sd, struct parcel *parcels,
  * or entries can number. */
 enum dm2_status subdomain_take_in(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels,
                                   struct dm2_error *err);
+
+/* --- walls --- */
+
+/* What each wall of the deck felt at the last subdomain_forces, over the owned elements: [config.n_walls],
+ * valid until the next one. The sums of several subdomains merge by wall_sums_merge. */
+const struct wall_sums *subdomain_wall_sums(const struct subdomain *sd);
+
+/* Force, Mbar cm2, and torque, Mbar cm3, on a wall, and the heat that it gave to elements in the last kick, g
+ * cm2/us2. */
+struct wall_load {
+    double force[2], torque, heat, magnitude;
+};
+struct wall_load subdomain_wall_load(const struct model *model, const struct wall_sums *sums);
 
 /* --- states --- */
 
