@@ -419,6 +419,7 @@ int main(int argc, char **argv)
     struct client_command c;
     struct dm2_error err = {0};
     process_start();
+    int cancel = signals_catch(); /* first, because an uncaught signal is no exit status 4 */
     enum dm2_status status = parse_command_line(&c, argc, argv, &err);
     if (status == DM2_OK && c.run.version)
         run_print_version(PROGRAM);
@@ -426,7 +427,7 @@ int main(int argc, char **argv)
     if (status == DM2_OK && computes)
         status = self_test_check(&err);
     if (status == DM2_OK && computes) {
-        c.cancel = signals_catch();
+        c.cancel = cancel;
         status = c.status ? print_status(&c, &err) : run_deck(&c, &err);
     }
     option_list_free(&c.servers);

@@ -350,6 +350,7 @@ int main(int argc, char **argv)
     struct option table[RUN_OPTIONS];
     struct dm2_error err = {0};
     process_start();
+    int cancel = signals_catch(); /* first, because an uncaught signal is no exit status 4 */
     run_options_start(&options, PROGRAM, argc, argv, table);
     enum dm2_status status = options_parse(table, RUN_OPTIONS, argc, argv, &options.operands, &err);
     if (status == DM2_OK && options.help) {
@@ -364,7 +365,7 @@ int main(int argc, char **argv)
     if (status == DM2_OK && computes)
         status = self_test_check(&err);
     if (status == DM2_OK && computes)
-        status = run_deck(&options, signals_catch(), &err);
+        status = run_deck(&options, cancel, &err);
     run_options_free(&options);
     return process_finish(PROGRAM, status == DM2_OK ? 0 : run_report_failure(PROGRAM, &err),
                           run_output_asked(&options));

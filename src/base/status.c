@@ -28,10 +28,11 @@ int dm2_exit_code(enum dm2_status status)
     case DM2_TIMEOUT:
     case DM2_PROTOCOL:
         return 3;
+    case DM2_INTERRUPTED:
+        return 4;
     case DM2_MEMORY:
     case DM2_IO:
     case DM2_NUMERIC:
-    case DM2_INTERRUPTED:
         return 1;
     }
     return 1;

@@ -138,6 +138,17 @@ static enum dm2_status run_session(const struct client_job *job, const struct cl
 
 /* --- the run --- */
 
+/* The failure of the run. A scheduler's signal often reaches the servers, too: a server that is lost after
+ * the client was asked to end is no failure of its own. */
+static enum dm2_status fail_course(const struct course *course, enum dm2_status status, const char *why,
+                                   struct dm2_error *err)
+{
+    if (course->stopping && (status == DM2_NET || status == DM2_TIMEOUT))
+        return dm2_fail(err, DM2_INTERRUPTED,
+                        "the run was interrupted by a signal, then a server was lost: %s", why);
+    return dm2_fail(err, status, "%s", why);
+}
+
 /* Runs sessions until a session reaches the end of the run, or until the run cannot recover from a failure.
  */
 static enum dm2_status run_course(const struct client_job *job, const struct client_options *options,
@@ -148,7 +159,7 @@ static enum dm2_status run_course(const struct client_job *job, const struct cli
         struct dm2_error why = {0}, end = {0};
         enum dm2_status status = run_session(job, options, course, &loss, &why);
         if (status == DM2_OK || !course_goes_on(course, options, status, loss.culprit))
-            return status == DM2_OK ? DM2_OK : dm2_fail(err, status, "%s", why.text);
+            return status == DM2_OK ? DM2_OK : fail_course(course, status, why.text, err);
         course_tell_user(options, why.text);
         status = course_replace(course, job, options, loss.culprit, loss.silent || !loss.stepping, &end);
         if (status != DM2_OK)
@@ -168,7 +179,7 @@ enum dm2_status client_run(const struct client_job *job, const struct client_opt
         return status;
     status = run_course(job, options, &course, err);
     if (status != DM2_OK)
-        course_leave_checkpoint(&course, job, status);
+        status = course_leave_checkpoint(&course, job, status, err);
     course_close(&course);
     if (status != DM2_OK)
         return status;

@@ -225,9 +225,14 @@ enum dm2_status course_replace(struct course *course, const struct client_job *j
     return drop_server(job, course, lost, err);
 }
 
-void course_leave_checkpoint(const struct course *course, const struct client_job *job,
-                             enum dm2_status status)
+enum dm2_status course_leave_checkpoint(const struct course *course, const struct client_job *job,
+                                        enum dm2_status status, struct dm2_error *err)
 {
-    if (status != DM2_IO && course->copy_step > results_checkpoint_step(job->results))
-        (void)write_checkpoint(course, job, NULL);
+    struct dm2_error why = {0};
+    if (status == DM2_IO || course->copy_step <= results_checkpoint_step(job->results))
+        return status;
+    enum dm2_status written = write_checkpoint(course, job, &why);
+    if (written == DM2_OK || status != DM2_INTERRUPTED)
+        return status;
+    return dm2_fail(err, written, "%s", why.text); /* an interrupted run tells that its state is saved */
 }

@@ -88,8 +88,9 @@ enum dm2_status course_replace(struct course *course, const struct client_job *j
                                struct dm2_error *err);
 
 /* After a run that failed with `status`: writes the last copy as a checkpoint if the copy is newer than the
- * last checkpoint. Not after DM2_IO, because the disk has failed. Failures are ignored. */
-void course_leave_checkpoint(const struct course *course, const struct client_job *job,
-                             enum dm2_status status);
+ * last checkpoint. Not after DM2_IO, because the disk has failed. Returns `status`; where an
+ * interrupted run could not be saved, the failure to write. */
+enum dm2_status course_leave_checkpoint(const struct course *course, const struct client_job *job,
+                                        enum dm2_status status, struct dm2_error *err);
 
 #endif

@@ -50,7 +50,7 @@ interrupted()
     exec 4<&-
     got=0
     wait $pid || got=$?
-    [ $got -eq 1 ] || fail "status $got: $(cat err)"
+    [ $got -eq 4 ] || fail "status $got: $(cat err)"
     expect_text err 'interrupted by a signal at step'
     expect_text err 'to continue: '
     sed -n 's/.*to continue: //p' err >again.sh # a command for the shell

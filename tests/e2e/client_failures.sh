@@ -136,7 +136,7 @@ got=0
 wait "$client_pid" || got=$?
 exec 4<&-
 rm -f progress
-[ "$got" -eq 1 ] || { cat err; fail "exit status $got, expected 1"; }
+[ "$got" -eq 4 ] || { cat err; fail "exit status $got, expected 4"; }
 expect_text err 'interrupted'
 expect_text err '--restart long/checkpoint.dm2'
 [ -f long/checkpoint.dm2 ] && [ -f long/history.csv.part ] && [ ! -f long/history.csv ] ||

@@ -34,7 +34,7 @@ start_server
 run_client
 kill -TERM "$client_pid"
 wait "$client_pid"
-[ $? = 1 ] || fail "the client ended with another status than 1: $(cat client.err)"
+[ $? = 4 ] || fail "the client ended with another status than 4: $(cat client.err)"
 expect_text client.err 'interrupted by a signal'
 while ! grep -q 'closed the connection\|ended the session' "$SERVER_LOG"; do sleep 0.1; done
 
@@ -66,7 +66,7 @@ kill -TERM "$seq_pid"
 status=0
 wait "$seq_pid" || status=$?
 case $status in
-1) expect_text seq.err 'interrupted before the first step' ;;
+4) expect_text seq.err 'interrupted before the first step' ;;
 143) ;; # before the program caught signals
 *) fail "dm2-seq ended with status $status: $(cat seq.err)" ;;
 esac

@@ -16,7 +16,7 @@ enum dm2_status {
     DM2_TIMEOUT,    /* a peer was silent past its deadline; exit status 3 in the client */
     DM2_PROTOCOL,   /* invalid bytes from a peer or a file; exit status 3 in the client */
     DM2_NUMERIC,    /* non-finite, out of the representable range, a lost particle */
-    DM2_INTERRUPTED /* a signal asked the program to end */
+    DM2_INTERRUPTED /* a signal asked the program to end, and nothing is lost; exit status 4 */
 };
 
 struct dm2_error {
@@ -29,7 +29,7 @@ struct dm2_error {
 enum dm2_status dm2_fail(struct dm2_error *err, enum dm2_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* The exit status of a program that ends with `status`: 0, 1, 2 or 3 (README.md lists them). */
+/* The exit status of a program that ends with `status`: 0 to 4 (README.md lists them). */
 int dm2_exit_code(enum dm2_status status);
 
 #endif
