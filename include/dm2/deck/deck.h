@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "dm2/base/bytes.h"
 #include "dm2/base/status.h"
 #include "dm2/deck/config.h"
 
@@ -47,6 +48,13 @@ enum dm2_status deck_source_read(const char *path, const struct deck_roots *root
 enum dm2_status deck_source_read_some(const char *path, bool (*may)(void *context, const char *name),
                                       void *context, struct deck_source *out, struct dm2_error *err);
 void deck_source_free(struct deck_source *source);
+
+/* Writes a deck that loads as one text without includes and options to *out: included texts between
+ * `# begin "f"` and `# end "f"`, the values of -D and of --steps in their places, the old ones in comments. The
+ * config of the text is that of the source. `out` starts as {0}; the caller frees it with bytes_free, also
+ * after a failure: DM2_MEMORY. */
+enum dm2_status deck_source_flatten(const struct deck_source *source, struct bytes_writer *out,
+                                    struct dm2_error *err);
 
 /* All findings in a deck as one text: for each finding `file:line:column: error: ...` or `warning: ...`, the
  * line, and a caret; at most 20 errors, then "too many errors". */
