@@ -20,6 +20,7 @@
 #include "progress.h"
 #include "run.h"
 #include "server_status.h"
+#include "session.h"
 #include "signals.h"
 #include "process.h"
 
@@ -281,9 +282,8 @@ static enum dm2_status predict_run(const struct client_command *c, const struct 
 }
 
 /* Opens the run directory, runs, and writes the remaining files. */
-static enum dm2_status run_all(const struct client_command *c, struct run *run,
-                               const struct decomposition *d, struct endpoints *servers,
-                               struct dm2_error *err)
+static enum dm2_status run_all(const struct client_command *c, struct run *run, const struct decomposition *d,
+                               struct endpoints *servers, struct dm2_error *err)
 {
     struct results *results = NULL;
     struct run_report report = {0};
@@ -303,9 +303,11 @@ static enum dm2_status run_all(const struct client_command *c, struct run *run,
     if (status == DM2_OK)
         status = predict_run(c, &probe, start, &report, prediction, err);
     if (status == DM2_OK)
+        status = session_end(results, err);
+    if (status == DM2_OK)
         status = report_write(&report, results, err);
     if (status != DM2_OK) {
-        run_print_restart(&c->run, results);
+        session_fail(&c->run, results, err);
         results_abort(results);
     } else {
         char directory[1024];
@@ -402,15 +404,17 @@ static enum dm2_status run_deck(struct client_command *c, struct dm2_error *err)
         status = find_calibration(c, err);
     if (status == DM2_OK)
         status = run_load(&c->run, &run, err);
-    if (status == DM2_OK && servers.n == 0)
+    bool runs = status == DM2_OK && (!run.complete || c->run.check);
+    if (runs && servers.n == 0)
         status = run_check_cells(&run, err);
-    if (status == DM2_OK)
+    if (runs && status == DM2_OK)
         status = decompose_domain(c, &run, choose_ranks(c, &run, &servers, active), &d, err);
-    if (status == DM2_OK)
+    if (runs && status == DM2_OK)
         status = c->run.check ? print_check(c, &run, &d, &servers, err) : run_all(c, &run, &d, &servers, err);
     decomposition_free(&d);
     run_free(&run);
     endpoints_free(&servers);
+    session_explain(&c->run, status, err);
     return status;
 }
 

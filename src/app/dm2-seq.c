@@ -6,7 +6,6 @@
 
 #include "dm2/base/clock.h"
 #include "dm2/base/mem.h"
-#include "dm2/base/version.h"
 #include "dm2/cluster/decomposition.h"
 #include "dm2/cluster/report.h"
 #include "dm2/deck/schedule.h"
@@ -17,6 +16,7 @@
 #include "options.h"
 #include "progress.h"
 #include "run.h"
+#include "session.h"
 #include "signals.h"
 #include "process.h"
 
@@ -263,7 +263,6 @@ static void fill_report(struct sequence *s, double started)
     s->server.times.rebuilds = t.rebuilds;
     s->server.times.steps = (uint64_t)s->report.steps;
     s->report.program = PROGRAM;
-    s->report.version = DM2_VERSION;
     s->report.deck = s->options->deck;
     s->report.elements = model_elements(s->run->model);
     s->report.update_bytes = 8 * subdomain_update_width(s->run->model);
@@ -281,12 +280,12 @@ static void print_summary(const struct sequence *s, const char *directory)
     (void)printf("results in %s\n", directory);
 }
 
-static enum dm2_status run_all(struct sequence *s, const struct decomposition *d, int cancel,
+static enum dm2_status run_all(struct sequence *s, struct run *run, const struct decomposition *d, int cancel,
                                struct dm2_error *err)
 {
     const struct domain_map map = {.grid = &d->grid, .ranks = 1, .owner = d->owner};
     double started = clock_now();
-    enum dm2_status status = run_open_results(s->options, s->run, &s->results, err);
+    enum dm2_status status = run_open_results(s->options, run, &s->results, err);
     const struct state_view from = state_view_of(&s->run->state);
     if (status == DM2_OK && s->run->restarted)
         status = subdomain_restore(s->run->model, &map, 0, &from, &s->sd, err);
@@ -303,10 +302,12 @@ static enum dm2_status run_all(struct sequence *s, const struct decomposition *d
         status = run_steps(s, cancel, err);
     if (status == DM2_OK) {
         fill_report(s, started);
-        status = report_write(&s->report, s->results, err);
+        status = session_end(s->results, err);
+        if (status == DM2_OK)
+            status = report_write(&s->report, s->results, err);
     }
     if (status != DM2_OK) {
-        run_print_restart(s->options, s->results);
+        session_fail(s->options, s->results, err);
         results_abort(s->results);
     } else {
         char directory[4096];
@@ -335,12 +336,13 @@ static enum dm2_status run_deck(const struct run_options *o, int cancel, struct 
         status = decomposition_bisect(model_grid(run.model), 1, NULL, &d, err);
     if (status == DM2_OK && o->check) {
         status = run_print_check(stdout, o, &run, &d, NULL, err);
-    } else if (status == DM2_OK) {
+    } else if (status == DM2_OK && !run.complete) {
         struct sequence s = {.options = o, .run = &run};
-        status = run_all(&s, &d, cancel, err);
+        status = run_all(&s, &run, &d, cancel, err);
     }
     decomposition_free(&d);
     run_free(&run);
+    session_explain(o, status, err);
     return status;
 }
 

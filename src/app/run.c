@@ -14,6 +14,8 @@
 #include "dm2/output/run_directory.h"
 #include "places.h"
 #include "process.h"
+#include "restart.h"
+#include "session.h"
 #include "signals.h"
 
 void run_options_start(struct run_options *o, const char *program, int argc, char **argv,
@@ -39,8 +41,8 @@ void run_options_start(struct run_options *o, const char *program, int argc, cha
          INT64_MAX},
         {"checkpoint-every", 0, OPTION_INTEGER, &o->checkpoint_every, "K",
          "writes a checkpoint every K steps instead of as the deck says; 0: never", 0, INT64_MAX},
-        {"restart", 0, OPTION_TEXT, &o->restart, "FILE", "continues from a checkpoint, in its run directory",
-         0, 0},
+        {"restart", 0, OPTION_TEXT, &o->restart, "FILE",
+         "continues from a state, in its directory; auto: from what the run directory has, or begins", 0, 0},
         {"progress", 0, OPTION_TEXT, &o->progress_text, "WHEN",
          "live line: auto (on a terminal), always or never", 0, 0},
         {"quiet", 'q', OPTION_FLAG, &o->quiet, NULL, "prints nothing but errors", 0, 0},
@@ -73,6 +75,12 @@ enum dm2_status run_options_finish(struct run_options *o, struct dm2_error *err)
             err, DM2_USAGE,
             "--hash-every prints on standard output, which is closed: open it, or leave the option out");
     o->deck = o->operands.items[0];
+    o->automatic = o->restart != NULL && strcmp(o->restart, "auto") == 0;
+    if (o->automatic && o->overwrite)
+        return dm2_fail(
+            err, DM2_USAGE,
+            "--restart auto goes on with what the run directory has, --overwrite removes it: give "
+            "one of the two");
     return DM2_OK;
 }
 
@@ -108,59 +116,6 @@ static enum dm2_status add_changes(const struct run_options *o, struct deck_sour
     if (source->n_defines < o->defines.n)
         return dm2_fail(err, DM2_MEMORY, "no memory for the command line's definitions");
     return DM2_OK;
-}
-
-/* Reads a state and checks that the state belongs to this run: deck, number of elements, step, indices. */
-static enum dm2_status read_state(const char *path, const struct run *run, struct state *out,
-                                  struct dm2_error *err)
-{
-    enum dm2_status status = state_read(path, out, err);
-    if (status != DM2_OK)
-        return status;
-    size_t n = model_elements(run->model);
-    char difference[MEANING_DIFFERENCE];
-    if (meaning_difference(out->origin.text, out->origin.text_length, run->origin.text,
-                           run->origin.text_length, difference)) {
-        status = dm2_fail(err, DM2_PROTOCOL, "%s: belongs to another deck: %s", path, difference);
-    } else if (out->n_elements != n || (n > 0 && out->elements[n - 1].id != n - 1)) {
-        status =
-            dm2_fail(err, DM2_PROTOCOL, "%s: has %zu elements, the deck makes %zu", path, out->n_elements, n);
-    } else if (out->step > run->config.steps) {
-        status = dm2_fail(err, DM2_PROTOCOL, "%s: is of step %lld, the run has %lld: give more with --steps",
-                          path, (long long)out->step, (long long)run->config.steps);
-    }
-    if (status == DM2_OK) {
-        const struct record_limits limits = record_limits_of(run->model);
-        status = state_check(path, out, &limits, err);
-    }
-    if (status != DM2_OK)
-        state_free(out);
-    return status;
-}
-
-/* Reads the state of --restart. Where that state cannot be used, the message offers the previous
- * checkpoint. */
-static enum dm2_status read_restart(const struct run_options *o, struct run *run, struct dm2_error *err)
-{
-    static const char name[] = "checkpoint.dm2";
-    struct dm2_error why = {0};
-    enum dm2_status status = read_state(o->restart, run, &run->state, &why);
-    run->restarted = status == DM2_OK;
-    if (status == DM2_OK)
-        return status;
-    char before[4096];
-    size_t length = strlen(o->restart), tail = sizeof name - 1;
-    if (length >= tail && strcmp(o->restart + length - tail, name) == 0) {
-        struct state other;
-        (void)snprintf(before, sizeof before, "%.*scheckpoint.prev.dm2", (int)(length - tail), o->restart);
-        if (read_state(before, run, &other, NULL) == DM2_OK) {
-            long long step = (long long)other.step;
-            state_free(&other);
-            return dm2_fail(err, status, "%s; the one before it can be used, of step %lld: --restart %s",
-                            why.text, step, before);
-        }
-    }
-    return dm2_fail(err, status, "%s", why.text);
 }
 
 static bool is_signalled(void *context)
@@ -211,8 +166,10 @@ enum dm2_status run_load(const struct run_options *o, struct run *run, struct dm
         run_loads_warn(o->program, run->model);
     if (status == DM2_OK)
         status = state_origin_build(run->model, &run->origin, err);
-    if (status == DM2_OK && o->restart != NULL)
-        status = read_restart(o, run, err);
+    if (status == DM2_OK && o->automatic)
+        status = restart_choose(o, run, err);
+    else if (status == DM2_OK && o->restart != NULL)
+        status = restart_read(o, run, err);
     if (status != DM2_OK)
         run_free(run);
     return status;
@@ -226,6 +183,8 @@ void run_free(struct run *run)
     deck_source_free(&run->source);
     state_free(&run->state);
     state_origin_free(&run->origin);
+    free(run->state_path);
+    results_abort(run->results);
     *run = (struct run){0};
 }
 
@@ -235,109 +194,62 @@ enum dm2_status run_check_cells(const struct run *run, struct dm2_error *err)
     return grid_check_memory(g, (double)g->cx * g->cy * (SUBDOMAIN_CELL_BYTES + sizeof(uint16_t)), err);
 }
 
-static char *directory_of(const char *path)
+char *run_directory_name(const struct run_options *o)
 {
-    const char *slash = strrchr(path, '/');
-    char *directory = copy_text(slash == NULL ? "." : path);
-    if (directory != NULL && slash != NULL)
-        directory[slash == path ? 1 : slash - path] = '\0';
-    return directory;
+    if (o->directory != NULL)
+        return copy_text(o->directory);
+    return o->restart != NULL && !o->automatic ? run_directory_of(o->restart)
+                                               : run_directory_default(o->deck);
 }
 
-/* Renames checkpoint.prev.dm2 to checkpoint.dm2 where the run continues from the former, because the
- * newest checkpoint was of no use: the next checkpoint would replace the good one by the useless one, and
- * until then the name that messages give would belong to the useless file. */
-static enum dm2_status promote_checkpoint(const char *restart, const char *directory, struct dm2_error *err)
+/* Claims the run directory, unless --restart auto has done so. */
+static enum dm2_status claim_directory(const struct run_options *o, struct run *run, struct results **out,
+                                       struct dm2_error *err)
 {
-    const char *slash = strrchr(restart, '/');
-    if (strcmp(slash == NULL ? restart : slash + 1, "checkpoint.prev.dm2") != 0)
+    *out = run->results;
+    run->results = NULL;
+    if (*out != NULL)
         return DM2_OK;
-    char *last = text_join(directory, "/", "checkpoint.dm2");
-    enum dm2_status status = last == NULL ? dm2_fail(err, DM2_MEMORY, "no memory for the checkpoint's name")
-                                          : file_rename(restart, last, err);
-    free(last);
+    char *directory = run_directory_name(o), *command = session_command(o);
+    enum dm2_status status = directory == NULL || command == NULL
+                                 ? dm2_fail(err, DM2_MEMORY, "no memory for the run directory's name")
+                                 : results_claim(directory, command, out, err);
+    free(directory);
+    free(command);
     return status;
 }
 
 enum dm2_status run_open_results(const struct run_options *o, struct run *run, struct results **out,
                                  struct dm2_error *err)
 {
-    char *own = NULL;
-    if (o->restart != NULL)
-        own = directory_of(o->restart);
-    else if (o->directory == NULL)
-        own = run_directory_default(o->deck);
-    const char *directory = o->directory == NULL ? own : o->directory;
     struct measure_scales scales = model_scales(run->model);
-    enum dm2_status status;
-    if (directory == NULL || (o->restart != NULL && own == NULL))
-        status = dm2_fail(err, DM2_MEMORY, "no memory for the run directory's name");
-    else if (o->restart != NULL)
-        status = results_continue(directory, o->overwrite, own, run->state.step, &run->config, scales,
-                                  &run->origin, out, err);
+    bool overwrite = o->overwrite || run->anew;
+    enum dm2_status status = claim_directory(o, run, out, err);
+    if (status != DM2_OK)
+        return status;
+    if (results_warning(*out)[0] != '\0')
+        (void)fprintf(stderr, "%s: warning: %s: %s\n", o->program, results_directory(*out),
+                      results_warning(*out));
+    if (run->restarted)
+        status = results_go_on(*out, overwrite, run->state_path, run->state.step, &run->config, scales,
+                               &run->origin, err);
     else
-        status = results_open(directory, o->overwrite, &run->config, scales, &run->origin, out, err);
-    if (status == DM2_OK && results_warning(*out)[0] != '\0')
-        (void)fprintf(stderr, "%s: warning: %s: %s\n", o->program, directory, results_warning(*out));
+        status = results_begin(*out, overwrite, &run->config, scales, &run->origin, err);
     int64_t end;
     if (status == DM2_OK && results_stopped(*out, &end) && end < run->config.steps)
         run->config.steps = end;
-    if (status == DM2_OK && o->restart != NULL && results_checkpoint_step(*out) == run->state.step)
-        status = promote_checkpoint(o->restart, own, err);
-    free(own);
+    if (status == DM2_OK)
+        status = session_begin(o, run, *out, err);
+    if (status != DM2_OK) {
+        results_abort(*out);
+        *out = NULL;
+    }
     return status;
 }
 
 int64_t run_checkpoint_every(const struct run_options *o, const struct run *run)
 {
     return o->checkpoint_every >= 0 ? o->checkpoint_every : run->config.output.checkpoint_every;
-}
-
-/* Prints a word in the form that a shell reads back. */
-static void print_quoted(FILE *to, const char *word)
-{
-    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./=:,+@%";
-    if (word[0] != '\0' && word[strspn(word, plain)] == '\0') {
-        (void)fputs(word, to);
-        return;
-    }
-    (void)fputc('\'', to);
-    for (const char *c = word; *c != '\0'; c++)
-        if (*c == '\'')
-            (void)fputs("'\\''", to);
-        else
-            (void)fputc(*c, to);
-    (void)fputc('\'', to);
-}
-
-/* The number of words at `word` that choose the start of the run and are left out of the new command line. */
-static int words_of_restart(const char *word)
-{
-    return strcmp(word, "--restart") == 0
-               ? 2
-               : strncmp(word, "--restart=", 10) == 0 || strcmp(word, "--overwrite") == 0;
-}
-
-void run_print_restart(const struct run_options *o, const struct results *results)
-{
-    char checkpoint[4096];
-    if (results == NULL || results_checkpoint_step(results) < 0)
-        return;
-    (void)fprintf(stderr, "%s: the last checkpoint is of step %lld; to continue: ", o->program,
-                  (long long)results_checkpoint_step(results));
-    print_quoted(stderr, o->argv[0]);
-    (void)snprintf(checkpoint, sizeof checkpoint, "%s/checkpoint.dm2", results_directory(results));
-    (void)fputs(" --restart ", stderr);
-    print_quoted(stderr, checkpoint);
-    for (int k = 1; k < o->argc;) {
-        int left_out = words_of_restart(o->argv[k]);
-        if (left_out == 0) {
-            (void)fputc(' ', stderr);
-            print_quoted(stderr, o->argv[k]);
-        }
-        k += left_out == 0 ? 1 : left_out;
-    }
-    (void)fputc('\n', stderr);
 }
 
 void run_print_overlap(const struct run_options *o, const struct run *run, const struct overlap *overlap)

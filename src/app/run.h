@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "dm2/base/sha256.h"
 #include "dm2/base/status.h"
 #include "dm2/cluster/decomposition.h"
 #include "dm2/deck/config.h"
@@ -19,7 +20,7 @@
 
 struct run_options {
     const char *program;
-    int argc; /* the command line, which run_print_restart turns into another to continue the run */
+    int argc; /* the command line, which session_fail turns into another that goes on */
     char **argv;
     struct option_list operands; /* the deck */
     const char *deck;
@@ -28,7 +29,8 @@ struct run_options {
     int64_t steps;            /* -1: as the deck says */
     int64_t hash_every;       /* 0: never */
     int64_t checkpoint_every; /* -1: as the deck says; 0: never */
-    const char *restart;      /* a state file to continue from; NULL: none */
+    const char *restart;      /* a state file to continue from, or "auto"; NULL: none */
+    bool automatic;           /* --restart auto */
     const char *progress_text;
     enum progress_mode progress;
     bool overwrite, check, quiet, verbose, help, version;
@@ -55,10 +57,15 @@ struct run {
     struct state_origin origin; /* of the states of this run */
     bool restarted;
     struct state state; /* the state that the run continues from */
+    char *state_path;   /* its file */
+    char state_digest[SHA256_TEXT];
+    struct results *results; /* --restart auto: the claimed directory, until run_open_results */
+    bool anew;               /* --restart auto: what an interrupted run without a state has left is removed */
+    bool complete;           /* --restart auto: the directory has all results; there is nothing to run */
 };
 
-/* Reads and checks the deck, builds the model, and reads the state of --restart: DM2_PROTOCOL or DM2_IO
- * where that state cannot be used, with the reason and the previous checkpoint, if the latter can be used.
+/* Reads and checks the deck, builds the model, and reads the state of --restart (restart.h). Where
+ * run->complete is set, the user has been told so.
  *
  * The deck's findings are printed on standard error (warnings not with --quiet). DM2_DECK and others, with
  * a closing sentence in *err. run_free frees *run, which is empty after a failure. */
@@ -68,19 +75,18 @@ void run_free(struct run *run);
 /* Whether this machine has the memory for the cells of the whole domain: DM2_MEMORY. */
 enum dm2_status run_check_cells(const struct run *run, struct dm2_error *err);
 
-/* Opens the run directory of -o, or the default one: with --restart, the directory of the checkpoint. Where a
- * block `stop` held at a row before the checkpoint, run->config.steps becomes the step at which the run ends.
- * The errors of results_open and results_continue. */
+/* The run directory: that of -o, or the default one; with --restart FILE, the directory of the state.
+ * malloc'd, the caller frees it. NULL: no memory. */
+char *run_directory_name(const struct run_options *o);
+
+/* Opens the run directory, writes deck.dm2 and the head of run.log. Where a block
+ * `stop` held at a row before the state's step, run->config.steps becomes the step at which the run ends. The
+ * errors of results_claim, results_begin and results_go_on; then *out is NULL. */
 enum dm2_status run_open_results(const struct run_options *o, struct run *run, struct results **out,
                                  struct dm2_error *err);
 
 /* The number of steps between checkpoints of the run; 0: none. */
 int64_t run_checkpoint_every(const struct run_options *o, const struct run *run);
-
-/* Prints on standard error how a failed run can be continued, where the run has a checkpoint: its own
- * command line, quoted for a shell, with --restart in place of the options that chose its start. To be
- * called before results_abort; `results` may be NULL. */
-void run_print_restart(const struct run_options *o, const struct results *results);
 
 /* Prints the warning of the energy book on standard error and its closing line on standard output, the last
  * of a run; nothing with --quiet. */

@@ -114,6 +114,14 @@ enum dm2_status file_create_output(struct file_out *f, struct dm2_error *err)
     return status;
 }
 
+enum dm2_status file_create_text(struct file_out *f, struct dm2_error *err)
+{
+    enum dm2_status status = prepare(f, "a text in memory", err);
+    free(f->part);
+    f->part = NULL;
+    return status;
+}
+
 enum dm2_status file_reopen(struct file_out *f, const char *path, size_t keep, struct dm2_error *err)
 {
     bool absent;

@@ -184,7 +184,6 @@ enum dm2_status client_run(const struct client_job *job, const struct client_opt
     if (status != DM2_OK)
         return status;
     course.report.program = "dm2-client";
-    course.report.version = options->version;
     course.report.deck = options->deck_path;
     course.report.elements = model_elements(job->model);
     course.report.update_bytes = 8 * subdomain_update_width(job->model);

@@ -1,5 +1,6 @@
-/* run.log has lines "name: value"; scripts read the rate from its line "X element-steps/s". timing.csv has
- * one row per server. Both files differ from run to run, unlike all other files of the run directory. */
+/* run.log has lines "name: value" behind the head of the session, whose first line names the program; scripts
+ * read the rate from its line "X element-steps/s". timing.csv has one row per server. Both files differ from
+ * run to run, unlike all other files of the run directory. */
 #include "dm2/cluster/report.h"
 
 #include <stdarg.h>
@@ -37,7 +38,6 @@ static void add_log(struct bytes_writer *w, const struct run_report *r, const st
         bytes += t->bytes_in + t->bytes_out;
         messages += t->messages_in + t->messages_out;
     }
-    add_text(w, "program: %s %s\n", r->program, r->version);
     add_text(w, "deck: %s\n", r->deck);
     add_text(w, "elements: %zu\n", r->elements);
     add_text(w, "steps: %lld\n", (long long)r->steps);
@@ -127,7 +127,7 @@ enum dm2_status report_write(const struct run_report *report, struct results *re
     if (log.failed || table.failed)
         status = dm2_fail(err, DM2_MEMORY, "no memory for the run's log");
     if (status == DM2_OK)
-        status = results_text(results, "run.log", (const char *)log.data, log.length, err);
+        status = results_log(results, (const char *)log.data, log.length, err);
     if (status == DM2_OK)
         status = results_text(results, "timing.csv", (const char *)table.data, table.length, err);
     bytes_free(&log);

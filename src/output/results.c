@@ -10,25 +10,30 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "dm2/base/bytes.h"
 #include "dm2/base/csv.h"
 #include "dm2/base/file.h"
 #include "dm2/base/mem.h"
 #include "dm2/base/text.h"
 #include "dm2/output/run_directory.h"
 #include "dm2/output/state.h"
+#include "adopt.h"
 #include "cracks.h"
 #include "energy_book.h"
 #include "fragments.h"
 #include "history.h"
 #include "resume.h"
 #include "run_lock.h"
+#include "schedule_book.h"
 #include "snapshot.h"
 #include "stop_watch.h"
 
 struct results {
     char *directory;
     bool made_directory, made_snapshots; /* by this run */
+    bool begun;                          /* files of this run are in the directory */
     struct run_lock lock;
+    struct bytes_writer log; /* run.log */
     const struct config *config;
     struct measure_scales scales;
     const struct state_origin *origin;
@@ -259,7 +264,7 @@ enum dm2_status results_final(struct results *r, const struct state_view *state,
 enum dm2_status results_text(struct results *r, const char *name, const char *text, size_t length,
                              struct dm2_error *err)
 {
-    assert(strcmp(name, "run.log") == 0 || strcmp(name, "timing.csv") == 0);
+    assert(strcmp(name, "run.log") == 0 || strcmp(name, "timing.csv") == 0 || strcmp(name, "deck.dm2") == 0);
     char *path = text_join(r->directory, "/", name);
     if (path == NULL)
         return run_directory_no_memory(err);
@@ -268,21 +273,27 @@ enum dm2_status results_text(struct results *r, const char *name, const char *te
     return status;
 }
 
+enum dm2_status results_log(struct results *r, const char *text, size_t length, struct dm2_error *err)
+{
+    bytes_put_raw(&r->log, text, length);
+    return r->log.failed ? dm2_fail(err, DM2_MEMORY, "no memory for the run's log")
+                         : results_text(r, "run.log", (const char *)r->log.data, r->log.length, err);
+}
+
 /* --- the begin --- */
 
 static void free_results(struct results *r)
 {
     run_lock_release(&r->lock);
     stop_watch_free(&r->stops);
+    bytes_free(&r->log);
     free(r->directory);
     free(r->series.items);
     free(r);
 }
 
-/* Allocates *out for the run and touches no file. */
-static enum dm2_status create_results(const char *directory, const struct config *config,
-                                      struct measure_scales scales, const struct state_origin *origin,
-                                      struct results **out, struct dm2_error *err)
+enum dm2_status results_claim(const char *directory, const char *command, struct results **out,
+                              struct dm2_error *err)
 {
     *out = NULL;
     if (directory[0] == '\0')
@@ -290,18 +301,19 @@ static enum dm2_status create_results(const char *directory, const struct config
     struct results *r = mem_zalloc(1, sizeof *r);
     if (r == NULL)
         return run_directory_no_memory(err);
-    r->config = config;
-    r->scales = scales;
     r->history_step = r->snapshot_step = r->crack_step = r->checkpoint_step = -1;
+    r->stops.held = -1;
     for (size_t k = 0; k < PROFILE_MAX; k++)
         r->profile_step[k] = -1;
-    r->origin = origin;
-    energy_book_start(&r->book, scales.energy);
-    r->stops.held = -1;
     r->directory = text_join(directory, "", "");
-    if (r->directory == NULL) {
+    enum dm2_status status = r->directory == NULL
+                                 ? run_directory_no_memory(err)
+                                 : run_directory_claim(directory, command, &r->made_directory, &r->lock, err);
+    if (status != DM2_OK) {
+        if (r->made_directory)
+            (void)rmdir(r->directory);
         free_results(r);
-        return run_directory_no_memory(err);
+        return status;
     }
     *out = r;
     return DM2_OK;
@@ -321,70 +333,143 @@ static enum dm2_status replay_rows(struct results *r, int64_t step, struct dm2_e
     return status;
 }
 
-enum dm2_status results_open(const char *directory, bool overwrite, const struct config *config,
-                             struct measure_scales scales, const struct state_origin *origin,
-                             struct results **out, struct dm2_error *err)
+/* Enters what all rows and states of the run need. */
+static void start_results(struct results *r, const struct config *config, struct measure_scales scales,
+                          const struct state_origin *origin)
 {
-    struct results *r;
-    enum dm2_status status = create_results(directory, config, scales, origin, &r, err);
-    *out = NULL;
-    if (status != DM2_OK)
-        return status;
-    status = run_directory_prepare(r->directory, overwrite, &r->made_directory, &r->lock, err);
+    r->config = config;
+    r->scales = scales;
+    r->origin = origin;
+    energy_book_start(&r->book, scales.energy);
+}
+
+/* Writes schedule.csv with the deck's schedule from `step` on. */
+static enum dm2_status write_schedule(const struct results *r, struct schedule_book *book, int64_t step,
+                                      struct dm2_error *err)
+{
+    char *path = text_join(r->directory, "/", schedule_book_name);
+    enum dm2_status status =
+        path == NULL ? run_directory_no_memory(err) : schedule_book_change(book, step, r->config, err);
+    if (status == DM2_OK)
+        status = schedule_book_write(path, book, err);
+    free(path);
+    return status;
+}
+
+enum dm2_status results_begin(struct results *r, bool overwrite, const struct config *config,
+                              struct measure_scales scales, const struct state_origin *origin,
+                              struct dm2_error *err)
+{
+    struct schedule_book book = {0};
+    start_results(r, config, scales, origin);
+    enum dm2_status status = run_directory_clear(r->directory, overwrite, err);
+    r->begun = status == DM2_OK;
     char *path = NULL;
-    if (status == DM2_OK && (path = text_join(directory, "/", "history.csv")) == NULL)
+    if (status == DM2_OK && (path = text_join(r->directory, "/", "history.csv")) == NULL)
         status = run_directory_no_memory(err);
+    if (status == DM2_OK)
+        status = write_schedule(r, &book, 0, err);
     if (status == DM2_OK)
         status = file_create(&r->tables.history, path, err);
     if (status == DM2_OK) {
         history_put_heading(&r->tables.history, config);
         status = file_flush(&r->tables.history, err);
     }
-    free(path);
     if (status == DM2_OK && config->n_stops > 0)
         status = replay_rows(r, 0, err);
     for (size_t k = 0; status == DM2_OK && k < config->n_profiles; k++)
         status = open_profile(r, k, err);
-    if (status != DM2_OK) {
-        results_abort(r);
-        return status;
-    }
-    *out = r;
-    return DM2_OK;
+    schedule_book_free(&book);
+    free(path);
+    return status;
 }
 
-enum dm2_status results_continue(const char *directory, bool overwrite, const char *source, int64_t step,
-                                 const struct config *config, struct measure_scales scales,
-                                 const struct state_origin *origin, struct results **out,
+enum dm2_status results_open(const char *directory, bool overwrite, const struct config *config,
+                             struct measure_scales scales, const struct state_origin *origin,
+                             struct results **out, struct dm2_error *err)
+{
+    enum dm2_status status = results_claim(directory, "", out, err);
+    if (status == DM2_OK)
+        status = results_begin(*out, overwrite, config, scales, origin, err);
+    if (status != DM2_OK) {
+        results_abort(*out);
+        *out = NULL;
+    }
+    return status;
+}
+
+/* Reads schedule.csv of the directory `source`; where there is none, the deck's schedule held so far. */
+static enum dm2_status read_schedule(const struct results *r, const char *source, struct schedule_book *book,
+                                     struct dm2_error *err)
+{
+    char *path = text_join(source, "/", schedule_book_name);
+    enum dm2_status status =
+        path == NULL ? run_directory_no_memory(err) : schedule_book_read(path, book, err);
+    free(path);
+    return status == DM2_OK && book->n == 0 ? schedule_book_change(book, 0, r->config, err) : status;
+}
+
+/* Reads run.log of `source`, which the sessions to come add to; an unreadable one is replaced. */
+static void read_log(struct results *r, const char *source)
+{
+    enum { LOG_MAX = 64 << 20 };
+    unsigned char *bytes = NULL;
+    size_t n = 0;
+    char *path = text_join(source, "/", "run.log");
+    if (path != NULL && file_read(path, LOG_MAX, &bytes, &n, NULL) == DM2_OK)
+        bytes_put_raw(&r->log, bytes, n);
+    free(bytes);
+    free(path);
+}
+
+/* Takes the tables of `plan` over, which are checked first; `state` is the file of the state. */
+static enum dm2_status take_over(struct results *r, struct resume *plan, bool overwrite, const char *state,
                                  struct dm2_error *err)
 {
-    struct results *r;
-    enum dm2_status status = create_results(directory, config, scales, origin, &r, err);
-    *out = NULL;
-    if (status != DM2_OK)
-        return status;
-    bool in_place = resume_in_place(directory, source);
-    if (in_place)
-        status = run_directory_retake(r->directory, &r->lock, err);
-    else
-        status = run_directory_prepare(r->directory, overwrite, &r->made_directory, &r->lock, err);
-    if (in_place)
-        r->checkpoint_step = step;
+    const char *base = strrchr(state, '/');
+    bool ended = strcmp(base == NULL ? state : base + 1, "final.dm2") == 0 && plan->step == r->config->steps;
+    enum dm2_status status = resume_check(plan, r->config, &r->tables, err);
     if (status == DM2_OK)
-        status = resume_tables(r->directory, source, config, step, in_place, &r->tables, err);
+        read_log(r, plan->source);
+    if (status == DM2_OK && !plan->in_place)
+        status = run_directory_clear(r->directory, overwrite, err);
+    r->begun = status == DM2_OK;
+    if (status == DM2_OK && plan->in_place) {
+        r->checkpoint_step = plan->step; /* from here on the tables are kept after a failure */
+        status = adopt_state(r->directory, state, ended, err);
+    }
+    return status == DM2_OK ? resume_take(plan, r->directory, err) : status;
+}
+
+enum dm2_status results_go_on(struct results *r, bool overwrite, const char *state, int64_t step,
+                              const struct config *config, struct measure_scales scales,
+                              const struct state_origin *origin, struct dm2_error *err)
+{
+    struct schedule_book book = {0};
+    char *source = run_directory_of(state);
+    if (source == NULL)
+        return run_directory_no_memory(err);
+    start_results(r, config, scales, origin);
+    struct resume plan = {
+        .source = source, .in_place = resume_in_place(r->directory, source), .step = step, .book = &book};
+    enum dm2_status status = plan.in_place ? run_directory_check(r->directory, err) : DM2_OK;
+    if (status == DM2_OK)
+        status = read_schedule(r, source, &book, err);
+    if (status == DM2_OK)
+        status = take_over(r, &plan, overwrite, state, err);
+    if (status == DM2_OK)
+        status = resume_series(r->directory, &book, step, &r->series, err);
+    if (status == DM2_OK)
+        status = write_schedule(r, &book, step, err);
     if (status == DM2_OK)
         status = replay_rows(r, step, err);
-    if (status == DM2_OK)
-        status = resume_series(r->directory, config, step, &r->series, err);
     r->history_step = r->snapshot_step = r->crack_step = step - 1;
     for (size_t k = 0; k < PROFILE_MAX; k++)
         r->profile_step[k] = step - 1;
-    if (status != DM2_OK) {
-        results_abort(r);
-        return status;
-    }
-    *out = r;
-    return DM2_OK;
+    resume_free(&plan);
+    schedule_book_free(&book);
+    free(source);
+    return status;
 }
 
 /* --- checkpoints --- */
@@ -462,6 +547,8 @@ void results_abort(struct results *r)
     if (snapshots != NULL && r->made_snapshots)
         (void)rmdir(snapshots); /* both rmdir fail on a directory that holds complete files, as they should */
     free(snapshots);
+    if (r->begun && r->checkpoint_step < 0)
+        run_directory_remove_notes(r->directory);
     run_lock_release(&r->lock);
     if (r->made_directory)
         (void)rmdir(r->directory);

@@ -9,6 +9,7 @@
 #include "dm2/base/status.h"
 #include "dm2/deck/config.h"
 #include "history.h"
+#include "schedule_book.h"
 #include "snapshot.h"
 
 /* The expected content of a table: a heading, then `rows` lines for every step at which `due` is true, each
@@ -28,15 +29,40 @@ enum dm2_status resume_keep(const char *path, const unsigned char *text, size_t 
 /* Whether the run continues in the directory of its checkpoint: the two paths name one directory. */
 bool resume_in_place(const char *directory, const char *source);
 
-/* Opens the run's tables in `directory` with the rows before `step` of the tables in `source`, be these
- * complete or (".part") not. `in_place` is resume_in_place(directory, source): then the files are cut, else
- * copied. The caller closes the tables, after a failure as well. DM2_IO, DM2_MEMORY, and DM2_PROTOCOL as
- * resume_keep. */
-enum dm2_status resume_tables(const char *directory, const char *source, const struct config *c, int64_t step,
-                              bool in_place, struct history_tables *tables, struct dm2_error *err);
+/* A table that is taken over. */
+struct resumed_table {
+    char name[TABLE_NAME_MAX];
+    bool whole;          /* under its final name, of a run that ended */
+    size_t keep;         /* bytes: the heading and the rows before the checkpoint */
+    unsigned char *text; /* of a table that is copied */
+    struct file_out *to;
+};
+
+/* The tables of a run that continues from the state of `step` in `source`; `in_place` is resume_in_place. */
+struct resume {
+    const char *source;
+    bool in_place;
+    int64_t step;
+    const struct schedule_book *book; /* of `source` */
+    size_t n;
+    struct resumed_table tables[PROFILE_MAX + 2];
+    struct file_out *cracks;
+};
+
+/* Reads the tables and touches none. DM2_DECK where columns, bins or profiles are others than those of the
+ * deck; DM2_PROTOCOL as resume_keep; DM2_IO, DM2_MEMORY. The first three members of *r and `book` are given,
+ * n is 0; `tables` are those that resume_take opens. */
+enum dm2_status resume_check(struct resume *r, const struct config *c, struct history_tables *tables,
+                             struct dm2_error *err);
+
+/* Opens the tables in `directory` with the rows before the step: in place the files are cut, else copied. The
+ * caller closes the tables, after a failure as well. DM2_IO, DM2_MEMORY. */
+enum dm2_status resume_take(const struct resume *r, const char *directory, struct dm2_error *err);
+
+void resume_free(struct resume *r);
 
 /* Adds to *series the steps before `step` whose .vtp snapshots are in `directory`, ascending. DM2_MEMORY. */
-enum dm2_status resume_series(const char *directory, const struct config *c, int64_t step,
+enum dm2_status resume_series(const char *directory, const struct schedule_book *book, int64_t step,
                               struct snapshot_steps *series, struct dm2_error *err);
 
 #endif

@@ -16,8 +16,13 @@ const char run_directory_snapshots[] = "snapshots";
 const char run_directory_series[] = "series.pvd";
 
 static const char *const known_files[] = {
-    "history.csv", "fragments.csv",  "cracks.csv",          "final.dm2",          "run.log",
-    "timing.csv",  "checkpoint.dm2", "checkpoint.prev.dm2", "checkpoint.next.dm2"};
+    "history.csv", "fragments.csv", "cracks.csv",     "schedule.csv",        "final.dm2",          "run.log",
+    "timing.csv",  "deck.dm2",      "checkpoint.dm2", "checkpoint.prev.dm2", "checkpoint.next.dm2"};
+
+/* Of known_files: the states, and what a run has in its directory from the start. */
+static const char *const states[] = {"final.dm2", "checkpoint.dm2", "checkpoint.prev.dm2"};
+static const char *const notes[] = {"deck.dm2", "run.log", "schedule.csv"};
+enum { STATES = sizeof states / sizeof states[0], NOTES = sizeof notes / sizeof notes[0] };
 
 enum dm2_status run_directory_no_memory(struct dm2_error *err)
 {
@@ -37,6 +42,15 @@ char *run_directory_default(const char *deck_path)
         memcpy(name + length, suffix, sizeof suffix);
     }
     return name;
+}
+
+char *run_directory_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    char *directory = text_join(slash == NULL ? "." : path, "", "");
+    if (directory != NULL && slash != NULL)
+        directory[slash == path ? 1 : slash - path] = '\0';
+    return directory;
 }
 
 /* --- the files of an earlier run --- */
@@ -178,19 +192,36 @@ static enum dm2_status make_directories(const char *directory, bool *made, struc
     return status;
 }
 
-static enum dm2_status is_empty(const char *directory, bool *empty, struct dm2_error *err)
+/* Counts one name of the run directory. */
+static void count_file(struct run_content *c, const char *name)
 {
+    bool state = false, note = false, part = has_suffix(name, strlen(name), ".part");
+    for (size_t k = 0; k < STATES; k++)
+        state |= strcmp(name, states[k]) == 0;
+    for (size_t k = 0; k < NOTES; k++)
+        note |= strcmp(name, notes[k]) == 0;
+    c->files++;
+    c->states += state;
+    if (!part)
+        c->others += !state && !note && strcmp(name, "checkpoint.next.dm2") != 0 &&
+                     strcmp(name, run_directory_snapshots) != 0;
+    else if (has_suffix(name, strlen(name), ".csv.part"))
+        c->tables++;
+}
+
+enum dm2_status run_directory_survey(const char *directory, struct run_content *out, struct dm2_error *err)
+{
+    *out = (struct run_content){0};
     DIR *dir = opendir(directory);
     if (dir == NULL)
         return dm2_fail(err, DM2_IO, "%s: cannot use it as the run directory: %s", directory,
                         strerror(errno));
     const struct dirent *entry;
-    *empty = true;
     errno = 0;
     while ((entry = readdir(dir)) != NULL)
         if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0 &&
             strcmp(entry->d_name, run_lock_name) != 0)
-            *empty = false;
+            count_file(out, entry->d_name);
     int error = errno;
     closedir(dir);
     if (error != 0)
@@ -198,30 +229,37 @@ static enum dm2_status is_empty(const char *directory, bool *empty, struct dm2_e
     return DM2_OK;
 }
 
-enum dm2_status run_directory_retake(const char *path, struct run_lock *lock, struct dm2_error *err)
+enum dm2_status run_directory_check(const char *path, struct dm2_error *err)
 {
-    enum dm2_status status = run_lock_take(lock, path, err);
-    return status == DM2_OK ? visit_run(path, check_file, err) : status;
+    return visit_run(path, check_file, err);
 }
 
-enum dm2_status run_directory_prepare(const char *path, bool overwrite, bool *made, struct run_lock *lock,
-                                      struct dm2_error *err)
+enum dm2_status run_directory_claim(const char *path, const char *command, bool *made, struct run_lock *lock,
+                                    struct dm2_error *err)
 {
-    bool empty = true;
+    struct run_content content;
     enum dm2_status status = make_directories(path, made, err);
     if (status == DM2_OK)
-        status = is_empty(path, &empty, err); /* is it a directory? */
-    if (status == DM2_OK)
-        status = run_lock_take(lock, path, err);
-    if (status == DM2_OK)
-        status = is_empty(path, &empty, err);
-    if (status != DM2_OK || empty)
+        status = run_directory_survey(path, &content, err); /* is it a directory? */
+    return status == DM2_OK ? run_lock_take(lock, path, command, err) : status;
+}
+
+enum dm2_status run_directory_clear(const char *path, bool overwrite, struct dm2_error *err)
+{
+    struct run_content content;
+    enum dm2_status status = run_directory_survey(path, &content, err);
+    if (status != DM2_OK || content.files == 0)
         return status;
     if (!overwrite)
         return dm2_fail(err, DM2_IO,
-                        "%s: the run directory is not empty; name another one with -o DIR, or give "
-                        "--overwrite to replace "
-                        "the results in it",
-                        path);
+                        "%s: the run directory is not empty; %sname another one with -o DIR, or give "
+                        "--overwrite to replace the results in it",
+                        path, content.states > 0 ? "go on from its state with --restart auto, " : "");
     return remove_earlier_run(path, err);
+}
+
+void run_directory_remove_notes(const char *path)
+{
+    for (size_t k = 0; k < NOTES; k++)
+        (void)visit_file(path, notes[k], "", remove_file, NULL);
 }

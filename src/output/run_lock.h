@@ -14,10 +14,12 @@ struct run_lock {
 
 extern const char run_lock_name[];
 
-/* Locks the directory. DM2_USAGE, with the process that holds the lock, where another one does, or where the
- * name is no plain file; DM2_IO, DM2_MEMORY. A file system without locks is no failure, but a warning. *lock
+/* Locks the directory and writes host, process, start and `command` into the file. DM2_USAGE, with the host,
+ * the process and the start of the holder, where another one has the lock, or where the name is no plain file
+ * or has other content; DM2_IO, DM2_MEMORY. A file system without locks is no failure, but a warning. *lock
  * is zeroed before; run_lock_release frees it. */
-enum dm2_status run_lock_take(struct run_lock *lock, const char *directory, struct dm2_error *err);
+enum dm2_status run_lock_take(struct run_lock *lock, const char *directory, const char *command,
+                              struct dm2_error *err);
 
 /* Removes the file and unlocks. Does nothing to a zeroed *lock. */
 void run_lock_release(struct run_lock *lock);

@@ -54,7 +54,8 @@ interrupted()
     expect_text err 'interrupted by a signal at step'
     expect_text err 'to continue: '
     sed -n 's/.*to continue: //p' err >again.sh # a command for the shell
-    expect_text again.sh ' --restart cut/checkpoint.dm2 '
+    expect_text again.sh ' --restart auto '
+    expect_text err 'the same command with --restart auto goes on'
     [ -f cut/history.csv.part ] || fail "no history is left"
     [ ! -f cut/history.csv ] || fail "half a history has the final name"
 }

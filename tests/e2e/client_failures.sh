@@ -138,7 +138,7 @@ exec 4<&-
 rm -f progress
 [ "$got" -eq 4 ] || { cat err; fail "exit status $got, expected 4"; }
 expect_text err 'interrupted'
-expect_text err '--restart long/checkpoint.dm2'
+expect_text err '--restart auto'
 [ -f long/checkpoint.dm2 ] && [ -f long/history.csv.part ] && [ ! -f long/history.csv ] ||
     fail "$(find long) was left"
 

@@ -23,11 +23,14 @@ begin()
     kill -STOP $pid
 }
 begin
+for line in "host: $(uname -n)" "process: $pid" 'start: 20' "command: $seq "; do
+    expect_text run/.lock "$line"
+done
 for command in "$seq --overwrite -o run" "$client -n 1 --overwrite -o run" \
-    "$seq --restart run/checkpoint.dm2" "$seq -o run"; do
+    "$seq --restart run/checkpoint.dm2" "$seq --restart auto -o run" "$seq -o run"; do
     # shellcheck disable=SC2086
     expect_status 2 $command -q "$deck"
-    expect_text err "in use by process $pid"
+    expect_text err "$(uname -n), process $pid, writes to run since "
 done
 kill -CONT $pid
 cat <&4 >rest
@@ -45,13 +48,40 @@ kill -KILL $pid
 exec 4<&-
 wait $pid 2>/dev/null
 [ -e run/.lock ] || fail 'no lock file was there'
-expect_status 0 "$seq" -q --restart run/checkpoint.dm2 "$deck"
+expect_status 0 "$seq" -q --restart auto -o run "$deck"
 same_bytes good/history.csv run/history.csv
 same_bytes good/final.dm2 run/final.dm2
 mkdir empty
 : >empty/.lock
 expect_status 0 "$seq" -q -o empty "$deck"
 [ ! -e empty/.lock ] || fail 'the lock of a killed run is left'
+
+# Of several processes that start at once one runs; the others are refused, or find all done.
+for k in 1 2 3 4; do
+    "$seq" -q "$deck" -o many --restart auto 2>many.$k &
+    eval "pid_$k=$!"
+done
+ended=0
+for k in 1 2 3 4; do
+    got=0
+    eval "wait \$pid_$k" || got=$?
+    case $got in
+    0) ended=$((ended + 1)) ;;
+    2) expect_text many.$k ', writes to many since ' ;;
+    *) cat many.$k; fail "process $k of four ended with $got" ;;
+    esac
+done
+[ $ended -ge 1 ] || fail 'none of four processes ran'
+same_bytes good/history.csv many/history.csv
+same_bytes good/final.dm2 many/final.dm2
+[ "$(grep -c '^program: ' many/run.log)" -eq 1 ] || fail 'two processes wrote'
+
+# A file of the name that no run wrote stays as it is.
+mkdir own
+echo mine >own/.lock
+expect_status 2 "$seq" -q -o own "$deck"
+expect_text err 'own/.lock: is not the lock of a run'
+[ "$(cat own/.lock)" = mine ] || fail 'a file of somebody else is gone'
 
 # A lock behind a link is refused; a file system without locks is a warning.
 mkdir odd

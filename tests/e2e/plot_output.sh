@@ -81,8 +81,8 @@ output { history_every = 1; snapshot_every = 4; format = vtp, xyz; checkpoint_ev
 END
 expect_status 0 "$seq" deck.dm2 -q -o good
 (cd good && find . -type f | sort) >files
-for name in final.dm2 history.csv fragments.csv profile-p.csv run.log timing.csv checkpoint.dm2 \
-    checkpoint.prev.dm2; do
+for name in final.dm2 history.csv fragments.csv profile-p.csv run.log timing.csv schedule.csv \
+    deck.dm2 checkpoint.dm2 checkpoint.prev.dm2; do
     grep -q "/$name\$" files || fail "the run has no $name: $(cat files)"
 done
 while IFS= read -r name; do

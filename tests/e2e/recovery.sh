@@ -104,7 +104,7 @@ begin 160 --reconnect 0.1 --server "$one"
 kill -KILL "$one_pid"
 ends 3
 expect_text err 'no server is left'
-expect_text err '--restart run/checkpoint.dm2'
+expect_text err '--restart auto'
 expect_status 0 "$client" deck.dm2 -n 2 -q --restart run/checkpoint.dm2
 same_bytes whole/final.dm2 run/final.dm2
 same_bytes whole/history.csv run/history.csv

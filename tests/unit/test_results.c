@@ -147,13 +147,13 @@ TEST(whole_run)
                                                     .n_pairs = f.n_pairs},
                                &err),
                  DM2_OK);
-    CHECK_EQ_INT(results_text(r, "run.log", "first\n", 6, &err), DM2_OK);
-    CHECK_EQ_INT(results_text(r, "run.log", "log\n", 4, &err), DM2_OK);
+    CHECK_EQ_INT(results_log(r, "first\n", 6, &err), DM2_OK);
+    CHECK_EQ_INT(results_log(r, "log\n", 4, &err), DM2_OK);
     CHECK_EQ_INT(results_text(r, "timing.csv", "a\n", 2, &err), DM2_OK);
     CHECK(!scratch_exists("new/parents/run/history.csv"));
     CHECK_EQ_INT(results_close(r, &err), DM2_OK);
     CHECK_STR(err.text, "");
-    CHECK_EQ_INT(entries("new/parents/run"), 6);
+    CHECK_EQ_INT(entries("new/parents/run"), 7);
     CHECK_EQ_INT(entries("new/parents/run/snapshots"), 5);
 
     struct vtp vtp;
@@ -166,7 +166,7 @@ TEST(whole_run)
     CHECK_EQ_INT(memcmp(s.origin.digest, origin.digest, sizeof origin.digest), 0);
     state_free(&s);
     char *log = scratch_read("new/parents/run/run.log", NULL);
-    CHECK_STR(log, "log\n");
+    CHECK_STR(log, "first\nlog\n");
     free(log);
     char *fragments = scratch_read("new/parents/run/fragments.csv", NULL);
     CHECK_STR(fragments, "step,time [us],fragments,single,largest\n0,0,1,0,20\n200,5,1,0,20\n");
@@ -337,7 +337,8 @@ TEST(overwrite_replaces_only_our_files)
         scratch_write(name, "old");
     }
     struct results *r = open_results(&f, "again", true);
-    CHECK_EQ_INT(entries("again"), 7); /* the others' files, snapshots, history.csv.part and the lock */
+    CHECK_EQ_INT(entries("again"),
+                 8); /* the others' files, snapshots, history.csv.part, schedule.csv, the lock */
     CHECK_EQ_INT(entries("again/snapshots"), 3);
     CHECK_EQ_INT(results_close(r, &err), DM2_OK);
     CHECK(scratch_exists("again/history.csv"));

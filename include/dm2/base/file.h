@@ -39,6 +39,9 @@ enum dm2_status file_create(struct file_out *f, const char *path, struct dm2_err
 /* Lets *f write to standard output; file_commit flushes alone. */
 enum dm2_status file_create_output(struct file_out *f, struct dm2_error *err);
 
+/* Lets *f collect at most 65,536 bytes in f->buffer[0 .. f->used), for a comparison; file_abandon ends it. */
+enum dm2_status file_create_text(struct file_out *f, struct dm2_error *err);
+
 /* Append bytes, a text, or a formatted text of at most 1023 bytes (a longer text sticks as EOVERFLOW). */
 void file_write(struct file_out *f, const void *bytes, size_t n);
 void file_puts(struct file_out *f, const char *text);

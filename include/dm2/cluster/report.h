@@ -19,7 +19,7 @@ struct server_report {
 };
 
 struct run_report {
-    const char *program, *version, *deck;
+    const char *program, *deck;
     size_t elements;
     int64_t steps;             /* steps done */
     double set_up, total;      /* seconds, wall clock; total: from connecting to the last result */
@@ -41,7 +41,7 @@ struct run_report {
 /* Element-steps per second over the timed steps; 0: no step was timed. */
 double report_rate(const struct run_report *report);
 
-/* Writes run.log and timing.csv into the run directory. DM2_IO, DM2_MEMORY. */
+/* Adds to run.log and writes timing.csv into the run directory. DM2_IO, DM2_MEMORY. */
 enum dm2_status report_write(const struct run_report *report, struct results *results, struct dm2_error *err);
 
 #endif

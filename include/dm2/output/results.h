@@ -8,14 +8,16 @@
  *   checkpoint.dm2         the newest checkpoint, a state as well; checkpoint.prev.dm2 is the one before
  *   snapshots/state-*.vtp  states at the steps that the deck names, with series.pvd (ParaView), and/or
  *   snapshots/state-*.xyz  in extended XYZ (OVITO) (output/snapshot.h)
- *   run.log, timing.csv    texts that the program writes with results_text
+ *   schedule.csv           at which steps the tables have rows (output/schedule_book.h)
+ *   deck.dm2               the deck as one text, which gives the same bytes
+ *   run.log, timing.csv    texts that the program writes with results_log and results_text
  *
  * Every file is written under a temporary name (its own with ".part" at the end), brought to disk and
  * renamed, so a file under its final name is always whole. The tables that grow with the run, history.csv,
  * profile-NAME.csv, fragments.csv and cracks.csv, get their final names in results_close only: a run that
  * ends early leaves neither a history nor a final state, only the snapshots that it completed. A run that has
  * written a checkpoint leaves its tables under their temporary names as well. They are on disk up to the
- * checkpoint's step before the checkpoint is, and results_continue takes them over. The bytes of all files
+ * checkpoint's step before the checkpoint is, and results_go_on takes them over. The bytes of all files
  * but run.log and timing.csv depend on the deck and the results alone.
  *
  * Every function that returns a status: DM2_IO with the path and the system's reason, or DM2_MEMORY. After a
@@ -38,25 +40,36 @@
 
 struct results;
 
-/* Makes the directory and its parents, or takes an empty one (dm2/output/run_directory.h). A directory that
- * is not empty is an error unless `overwrite`; then the files named above that an earlier run left in the
- * directory are removed, and nothing else. Call results_open after reading a checkpoint that may lie there.
- * `config` and `origin` are borrowed for the life of *out; `scales` is model_scales() of its model; `origin`
- * goes into states. Opens history.csv and the tables of profiles and writes their headings. The caller ends
- * *out with results_close or results_abort; after a failure *out is NULL. */
+/* Makes the directory and its parents, or takes one that is there, and locks it (dm2/output/run_directory.h);
+ * `command` stands in the lock. Until results_begin or results_go_on, *out has the lock alone and is for
+ * results_directory, results_warning and results_abort. After a failure *out is NULL. */
+enum dm2_status results_claim(const char *directory, const char *command, struct results **out,
+                              struct dm2_error *err);
+
+/* Begins a run in the directory. One that is not empty is an error unless `overwrite`; then the files named
+ * above that an earlier run left in the directory are removed, and nothing else. `config` and `origin` are
+ * borrowed for the life of r; `scales` is model_scales() of its model; `origin` goes into states. Writes
+ * schedule.csv, opens history.csv and the tables of profiles and writes their headings. The caller ends r
+ * with results_close or results_abort, the latter also after a failure. */
+enum dm2_status results_begin(struct results *r, bool overwrite, const struct config *config,
+                              struct measure_scales scales, const struct state_origin *origin,
+                              struct dm2_error *err);
+
+/* results_claim, then results_begin; after a failure *out is NULL. */
 enum dm2_status results_open(const char *directory, bool overwrite, const struct config *config,
                              struct measure_scales scales, const struct state_origin *origin,
                              struct results **out, struct dm2_error *err);
 
-/* results_open for a run that continues from a checkpoint of step `step` in the directory `source`, whose
- * tables are taken over up to that step: rows of later steps are dropped, and no row is missing or
- * doubled. Where `directory` is `source`, the run continues there; else the directory is prepared as by
- * results_open and the rows are copied into it, while snapshots stay in `source`. DM2_PROTOCOL where the
- * tables lack rows from before the checkpoint; the message names the rows and the remedy. */
-enum dm2_status results_continue(const char *directory, bool overwrite, const char *source, int64_t step,
-                                 const struct config *config, struct measure_scales scales,
-                                 const struct state_origin *origin, struct results **out,
-                                 struct dm2_error *err);
+/* results_begin for a run that goes on from the state of step `step` in the file `state`. The tables beside
+ * the state are taken over up to that step, as schedule.csv says which rows they have: rows of later steps
+ * are dropped, and no row is missing or doubled. Where the state lies in the run's directory, the run goes on
+ * there and the state becomes its checkpoint.dm2 (adopt.h); else the directory is prepared as by
+ * results_begin and the rows are copied into it, while snapshots stay with the state. DM2_PROTOCOL where the
+ * tables lack rows from before the step, DM2_DECK where they have other columns than the deck asks for; the
+ * message says which and the remedy, and nothing is touched. */
+enum dm2_status results_go_on(struct results *r, bool overwrite, const char *state, int64_t step,
+                              const struct config *config, struct measure_scales scales,
+                              const struct state_origin *origin, struct dm2_error *err);
 
 /* Brings the tables to disk, then writes the state as checkpoint.dm2 and keeps the previous checkpoint as
  * checkpoint.prev.dm2. The rows up to state->step - 1 must have been added. The file gets the run's
@@ -121,16 +134,19 @@ enum dm2_status results_snapshot(struct results *r, int64_t step, const struct e
 /* Writes final.dm2, with the run's origin. */
 enum dm2_status results_final(struct results *r, const struct state_view *state, struct dm2_error *err);
 
-/* Writes or replaces a text of the run: `name` is "run.log" or "timing.csv". */
+/* Adds a text to run.log, which keeps the texts of earlier sessions. */
+enum dm2_status results_log(struct results *r, const char *text, size_t length, struct dm2_error *err);
+
+/* Writes or replaces a text of the run: `name` is "run.log", "timing.csv" or "deck.dm2". */
 enum dm2_status results_text(struct results *r, const char *name, const char *text, size_t length,
                              struct dm2_error *err);
 
 /* Gives the tables their final names and frees r, also after a failure (as results_abort does). */
 enum dm2_status results_close(struct results *r, struct dm2_error *err);
 
-/* Removes incomplete files, except tables that a checkpoint needs, and removes the directory where
- * results_open made it and it is empty; frees r (NULL is accepted). Errors are ignored, because the run has
- * failed already. */
+/* Removes incomplete files, except tables that a checkpoint needs, and without a checkpoint the texts, too;
+ * removes the directory where results_claim made it and it is empty; frees r (NULL is
+ * accepted). Errors are ignored, because the run has failed already. */
 void results_abort(struct results *r);
 
 #endif
