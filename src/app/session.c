@@ -164,7 +164,7 @@ static enum dm2_status add_log(struct results *results, struct bytes_writer *w, 
 static enum dm2_status write_deck(const struct run *run, struct results *results, struct dm2_error *err)
 {
     struct bytes_writer text = {0};
-    enum dm2_status status = deck_source_flatten(&run->source, &text, err);
+    enum dm2_status status = deck_source_flatten(&run->source, &run->config, &text, err);
     if (status == DM2_OK)
         status = results_text(results, "deck.dm2", (const char *)text.data, text.length, err);
     bytes_free(&text);

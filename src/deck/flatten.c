@@ -1,21 +1,24 @@
 /* One text of a deck, which a run leaves beside its results.
  *
- * The texts are copied byte for byte, comments included, but for four places, found by their tokens: an
- * include becomes the included text between two comments; the value of a let that -D overrides, and of
- * `steps` where --steps is given, becomes the new value, with the old one in a comment up to the end of the
- * line; a missing `steps` is added. A text of these rules copies to itself. */
+ * The texts are copied byte for byte, comments included, but for five places, found by their tokens: an
+ * include becomes the included text between two comments; the file of a load becomes its points; the value of
+ * a let that -D overrides, and of `steps` where --steps is given, becomes the new value, with the old one in
+ * a comment up to the end of the line; a missing `steps` is added. A text of these rules copies to itself. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "dm2/base/mem.h"
+#include "dm2/base/number.h"
 #include "dm2/deck/deck.h"
 #include "lex.h"
+#include "schema.h"
 #include "source.h"
 
 struct flattening {
     const struct deck_source *source;
+    const struct config *config;
     struct findings *findings; /* of the lexer: a deck that has loaded gives none */
     struct bytes_writer *out;
     size_t budget;
@@ -178,21 +181,63 @@ static void copy_include(struct copying *c, size_t i)
     end_comment(c);
 }
 
+/* Writes the points of a load in base units, eight in a line. */
+static void put_points(struct bytes_writer *w, const struct load_config *load)
+{
+    put(w, schema_block(BLOCK_LOAD)->keys[load->quantity].name);
+    put(w, " =");
+    for (size_t k = 0; k < load->n; k++) {
+        char time[NUMBER_TEXT_MAX], value[NUMBER_TEXT_MAX];
+        size_t n_time = number_format(load->time[k], time), n_value = number_format(load->value[k], value);
+        put(w, k == 0 ? " " : k % 8 == 0 ? ",\n        " : ", ");
+        bytes_put_raw(w, time, n_time);
+        put(w, " ");
+        bytes_put_raw(w, value, n_value);
+    }
+    put(w, "\n");
+}
+
+/* Token i is `file` of the load whose name is the token `name`; a string follows. */
+static void copy_file(struct copying *c, size_t i, size_t name)
+{
+    const struct token *path = &c->tokens.items[i + 2];
+    const struct config *config = c->all->config;
+    struct bytes_writer *w = c->all->out;
+    copy_to(c, c->tokens.items[i].offset);
+    for (int end = 0; end < 2; end++) {
+        put(w, end == 0 ? "# begin " : "# end ");
+        bytes_put_raw(w, c->text->text + path->offset, path->length);
+        if (end == 0)
+            put(w, "\n");
+        for (size_t k = 0; k < config->n_loads && end == 0; k++)
+            if (token_is(c, name, TOKEN_WORD, config->loads[k].name))
+                put_points(w, &config->loads[k]);
+    }
+    c->at = path->offset + path->length;
+    end_comment(c);
+}
+
 static void copy_statements(struct copying *c)
 {
     int open = 0;
     bool begins = true;
+    size_t load = 0; /* the name of the load that the block is of; 0: none */
     for (size_t i = 0; i + 1 < c->tokens.n; i++) {
         int kind = c->tokens.items[i].kind;
-        if (begins && open == 0 && token_is(c, i, TOKEN_WORD, "include") &&
-            token_is(c, i + 1, TOKEN_STRING, NULL))
+        if (begins && open == 0)
+            load = token_is(c, i, TOKEN_WORD, "load") ? i + 1 : 0;
+        if (begins && open == 1 && load > 0 && token_is(c, i, TOKEN_WORD, "file") &&
+            token_is(c, i + 1, '=', NULL) && token_is(c, i + 2, TOKEN_STRING, NULL))
+            copy_file(c, i, load);
+        else if (begins && open == 0 && token_is(c, i, TOKEN_WORD, "include") &&
+                 token_is(c, i + 1, TOKEN_STRING, NULL))
             copy_include(c, i);
         else if (begins && open == 0 && token_is(c, i, TOKEN_WORD, "let"))
             copy_let(c, i);
         else if (begins && open == 0 && token_is(c, i, TOKEN_WORD, "time"))
             copy_time(c, i);
         open += kind == '{' ? 1 : kind == '}' && open > 0 ? -1 : 0;
-        begins = kind == TOKEN_NEWLINE || kind == ';' || kind == '}';
+        begins = kind == TOKEN_NEWLINE || kind == ';' || kind == '}' || kind == '{';
     }
     copy_to(c, c->text->length);
 }
@@ -208,10 +253,11 @@ static void copy_text(struct flattening *f, size_t index)
     free(c.tokens.items);
 }
 
-enum dm2_status deck_source_flatten(const struct deck_source *source, struct bytes_writer *out,
-                                    struct dm2_error *err)
+enum dm2_status deck_source_flatten(const struct deck_source *source, const struct config *config,
+                                    struct bytes_writer *out, struct dm2_error *err)
 {
     struct flattening f = {.source = source,
+                           .config = config,
                            .findings = mem_zalloc(1, sizeof *f.findings),
                            .out = out,
                            .budget = DECK_MAX_TOKENS,

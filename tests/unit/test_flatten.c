@@ -21,10 +21,12 @@ static struct deck_text texts[] = {{(char *)"dir/main", (char *)main_text, sizeo
                                    {(char *)"dir/sub/m.dm2", (char *)other_text, sizeof other_text - 1},
                                    {(char *)"dir/sub/n.dm2", (char *)last_text, sizeof last_text - 1}};
 
+/* Flattens a source without loads. */
 static void flatten(const struct deck_source *source, struct bytes_writer *out)
 {
+    static const struct config none = {0};
     struct dm2_error err = {0};
-    CHECK_EQ_INT(deck_source_flatten(source, out, &err), DM2_OK);
+    CHECK_EQ_INT(deck_source_flatten(source, &none, out, &err), DM2_OK);
     bytes_put_u8(out, 0); /* the end of a string */
 }
 
@@ -81,6 +83,49 @@ TEST(options_stand_in_their_places)
     bytes_free(&out);
 }
 
+TEST(tables_stand_as_points)
+{
+    static char main_text[] =
+        "domain { size = 3 cm, 1 cm; r_c = 0.25 cm; delta_r = 0.02 cm }\n"
+        "time { dt = 0.02 us; steps = 4 }\n"
+        "material M { rho0 = 8 g/cm3; c0 = 4 km/s; s = 1.5 }\n"
+        "body b { shape = rectangle 0, 0, 0.2, 0.5; spacing = 0.1 cm; material = M; motion = driven }\n"
+        "load push { file = \"gauge.csv\" # of the gauge\n body = b; repeat = no }\n";
+    static char table[] = "time [ns],velocity_y [m/s],velocity_x [cm/us]\n"
+                          "0.1,-0.3,1\n0.2,7,2\n0.3,7,3\n0.4,7,4\n0.5,7,5\n0.6,7,6\n0.7,7,7\n"
+                          "0.8,7,8\n0.9,1e-3,9\n";
+    struct deck_text both[] = {{(char *)"main", main_text, sizeof main_text - 1},
+                               {(char *)"gauge.csv", table, sizeof table - 1}};
+    const struct deck_source source = {both, 2, NULL, 0, -1};
+    struct config config;
+    struct deck_report report;
+    struct bytes_writer out = {0};
+    struct dm2_error err = {0};
+    CHECK_EQ_INT(deck_load(&source, &config, &report), DM2_OK);
+    CHECK_STR(report.text, "");
+    CHECK_EQ_INT(deck_source_flatten(&source, &config, &out, &err), DM2_OK);
+    bytes_put_u8(&out, 0);
+    const char *text = (const char *)out.data;
+    CHECK_CONTAINS(text, "load push { # begin \"gauge.csv\"\nvelocity_x = 0.0001 1, ");
+    CHECK_CONTAINS(text, "\n# end \"gauge.csv\"\n # of the gauge\n body = b");
+    check_stable(text);
+    struct loaded flat = load_text(text, NULL, -1);
+    CHECK_EQ_INT(flat.status, DM2_OK);
+    CHECK_EQ_INT(flat.config.n_loads, config.n_loads);
+    for (size_t k = 0; k < config.n_loads; k++) {
+        const struct load_config *a = &config.loads[k], *b = &flat.config.loads[k];
+        CHECK_EQ_INT(a->n, 9);
+        CHECK_EQ_INT(b->n, 9);
+        CHECK(a->quantity == b->quantity && memcmp(a->time, b->time, 9 * sizeof *a->time) == 0 &&
+              memcmp(a->value, b->value, 9 * sizeof *a->value) == 0);
+    }
+    deck_report_free(&report);
+    config_free(&config);
+    deck_report_free(&flat.report);
+    config_free(&flat.config);
+    bytes_free(&out);
+}
+
 TEST(missing_steps_are_added)
 {
     static const char text[] = "time\n{\n dt = 1 us }\nbody time { spacing = 1 }\n";
@@ -94,4 +139,4 @@ TEST(missing_steps_are_added)
 }
 
 TEST_MAIN(CASE(includes_stand_in_their_places), CASE(options_stand_in_their_places),
-          CASE(missing_steps_are_added))
+          CASE(tables_stand_as_points), CASE(missing_steps_are_added))

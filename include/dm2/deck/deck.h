@@ -49,12 +49,12 @@ enum dm2_status deck_source_read_some(const char *path, bool (*may)(void *contex
                                       void *context, struct deck_source *out, struct dm2_error *err);
 void deck_source_free(struct deck_source *source);
 
-/* Writes a deck that loads as one text without includes and options to *out: included texts between
- * `# begin "f"` and `# end "f"`, the values of -D and of --steps in their places, the old ones in comments.
- * The config of the text is that of the source. `out` starts as {0}; the caller frees it with bytes_free,
- * also after a failure: DM2_MEMORY. */
-enum dm2_status deck_source_flatten(const struct deck_source *source, struct bytes_writer *out,
-                                    struct dm2_error *err);
+/* Writes a deck that loads as one text without other files and options to *out: included texts, and the
+ * points of tables, between `# begin "f"` and `# end "f"`, the values of -D and of --steps in their places,
+ * the old ones in comments. `config` is that of the source, and of the text. `out` starts as {0}; the caller
+ * frees it with bytes_free, also after a failure: DM2_MEMORY. */
+enum dm2_status deck_source_flatten(const struct deck_source *source, const struct config *config,
+                                    struct bytes_writer *out, struct dm2_error *err);
 
 /* All findings in a deck as one text: for each finding `file:line:column: error: ...` or `warning: ...`, the
  * line, and a caret; at most 20 errors, then "too many errors". */
