@@ -176,10 +176,12 @@ static enum dm2_status take_choice(const struct run_options *o, struct run *run,
         status = check_records(c->path, &c->state, run, err);
     if (status != DM2_OK)
         return status;
-    if (c->is_final && step == last && has_tables(directory, content)) {
+    bool stopped = step < last && results_ended_by_stop(directory, &run->config, step);
+    if (c->is_final && (step == last || stopped) && has_tables(directory, content)) {
         run->complete = true;
         if (!o->quiet)
-            (void)printf("complete: %s has the results of all %lld steps\n", directory, last);
+            (void)printf("complete: %s has the results of all %lld steps%s\n", directory, step,
+                         stopped ? ", at which a block 'stop' ended the run" : "");
         return DM2_OK;
     }
     if (c->damage[0] != '\0')

@@ -250,12 +250,35 @@ static enum dm2_status write_state(const struct results *r, const char *path, co
     return state_write(path, &s, err);
 }
 
+/* Adds a line to schedule.csv where a block `stop` has ended the run at `step`. */
+static enum dm2_status note_stop(const struct results *r, int64_t step, struct dm2_error *err)
+{
+    struct schedule_book book = {0};
+    int64_t end;
+    if (!results_stopped(r, &end) || end != step)
+        return DM2_OK;
+    char *path = text_join(r->directory, "/", schedule_book_name);
+    enum dm2_status status =
+        path == NULL ? run_directory_no_memory(err) : schedule_book_read(path, &book, err);
+    const struct schedule_line *line = schedule_book_line(&book, "stop", step);
+    if (status == DM2_OK && (line == NULL || line->from != step)) {
+        status = schedule_book_stop(&book, step, err);
+        if (status == DM2_OK)
+            status = schedule_book_write(path, &book, err);
+    }
+    schedule_book_free(&book);
+    free(path);
+    return status;
+}
+
 enum dm2_status results_final(struct results *r, const struct state_view *state, struct dm2_error *err)
 {
     char *path = text_join(r->directory, "/", "final.dm2");
     if (path == NULL)
         return run_directory_no_memory(err);
-    enum dm2_status status = write_state(r, path, state, err);
+    enum dm2_status status = note_stop(r, state->step, err);
+    if (status == DM2_OK)
+        status = write_state(r, path, state, err);
     r->made_final |= status == DM2_OK;
     free(path);
     return status;

@@ -185,6 +185,11 @@ enum dm2_status schedule_book_change(struct schedule_book *b, int64_t from, cons
                             : status;
 }
 
+enum dm2_status schedule_book_stop(struct schedule_book *b, int64_t step, struct dm2_error *err)
+{
+    return add_line(b, step, "stop", 0, NULL, 0, err);
+}
+
 enum dm2_status schedule_book_write(const char *path, const struct schedule_book *b, struct dm2_error *err)
 {
     struct file_out f;

@@ -7,8 +7,9 @@
  *
  * A line per table and change of schedule: from `from_step` on, until the next line of the table, the table
  * has rows at the multiples of `every` (0: none) and at the steps of `also`. An uninterrupted run and one
- * that was interrupted have the same lines. The row of the last step of a run is not in the file, because a
- * run that goes on from its last state drops that row. */
+ * that was interrupted have the same lines. "403,stop,0," says that a block `stop` ended the run at this
+ * step. The row of the last step of a run is not in the file, because a run that goes on from its last state
+ * drops that row. */
 #ifndef DM2_OUTPUT_SCHEDULE_BOOK_H
 #define DM2_OUTPUT_SCHEDULE_BOOK_H
 
@@ -48,6 +49,9 @@ void schedule_book_free(struct schedule_book *b);
  * last line that is left. DM2_MEMORY. */
 enum dm2_status schedule_book_change(struct schedule_book *b, int64_t from, const struct config *c,
                                      struct dm2_error *err);
+
+/* Adds the line "step,stop,0,": a block `stop` of the deck ended the run. DM2_MEMORY. */
+enum dm2_status schedule_book_stop(struct schedule_book *b, int64_t step, struct dm2_error *err);
 
 /* The line of a table that holds at `step`; NULL: the table has no rows there. */
 const struct schedule_line *schedule_book_line(const struct schedule_book *b, const char *table,

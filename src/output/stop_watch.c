@@ -9,6 +9,7 @@
 
 #include "dm2/base/mem.h"
 #include "dm2/base/number.h"
+#include "dm2/base/text.h"
 
 /* --- rows --- */
 
@@ -64,6 +65,22 @@ static void add_row(struct stop_watch *watch, int64_t row, const char *text, siz
             watch->block = k;
         }
     }
+}
+
+bool results_ended_by_stop(const char *directory, const struct config *config, int64_t step)
+{
+    struct csv table;
+    struct stop_watch watch = {.held = -1};
+    char *path = text_join(directory, "/", "history.csv");
+    bool ended = false;
+    if (config->n_stops > 0 && path != NULL && csv_read(path, &table, NULL) == DM2_OK) {
+        ended = stop_watch_open(&watch, config, &table, step, NULL) == DM2_OK && watch.held >= 0 &&
+                watch.held + STOP_LAG == step;
+        stop_watch_free(&watch);
+        csv_free(&table);
+    }
+    free(path);
+    return ended;
 }
 
 void stop_watch_row(struct stop_watch *watch, int64_t step, const char *text, size_t length)

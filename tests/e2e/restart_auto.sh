@@ -143,6 +143,45 @@ rm cut/final.dm2
 expect_status 0 "$seq" plain.dm2 -q -o cut --restart auto
 same_run rows cut
 
+# --- another text of the same meaning, another schedule ---
+leave on
+sed 's/^# Two copper.*/# Two discs of copper/; s/$/\r/' deck.dm2 >crlf.dm2
+expect_status 0 "$seq" crlf.dm2 -q -o on --restart auto
+same_run whole on
+leave on
+sed 's/history_every = 7/history_every = 5/; s/snapshot_at = 37/snapshot_at = 37, 205/' deck.dm2 >looks.dm2
+expect_status 0 "$seq" looks.dm2 -q -o on --restart auto
+awk 'BEGIN { for (s = 0; s <= 400; s += s < 175 ? 7 : 5) print s }' >steps
+cut -d , -f 1 on/history.csv | sed 1d | cmp - steps || fail 'the schedule of history.csv did not change at 180'
+[ "$(cut -d , -f 1 on/fragments.csv | tr '\n' ' ')" = 'step 0 37 110 205 220 330 ' ] || fail "$(cat on/fragments.csv)"
+expect_text on/schedule.csv '180,history.csv,5,'
+expect_text on/schedule.csv '180,fragments.csv,110,37 205'
+same_bytes whole/final.dm2 on/final.dm2
+
+# --- deck.dm2 gives the same bytes anywhere ---
+mkdir -p parts/sub elsewhere
+grep '^material' deck.dm2 >parts/sub/copper.dm2
+sed 's/^material.*/include "sub\/copper.dm2"/' deck.dm2 >parts/main.dm2
+expect_status 0 "$seq" parts/main.dm2 -q -o first -D push=0.02 -D 'd=0.05 cm' --steps 100
+mv first/deck.dm2 elsewhere/other.dm2
+expect_status 0 "$client" -n 2 elsewhere/other.dm2 -q -o second
+same_run first second
+same_bytes elsewhere/other.dm2 second/deck.dm2
+expect_text elsewhere/other.dm2 'let push = 0.02 # -D, was 0.01'
+expect_text elsewhere/other.dm2 '# end "sub/copper.dm2"'
+
+# --- a block stop has ended the run ---
+(cat deck.dm2 && echo 'stop { kinetic = 1e9; after = 1 us }') >stop.dm2
+expect_status 0 "$seq" stop.dm2 -q -o stopped
+expect_text stopped/schedule.csv '59,stop,0,'
+print_of stopped >before
+expect_status 0 "$seq" stop.dm2 -o stopped --restart auto
+expect_text out 'complete: stopped has the results of all 59 steps'
+print_of stopped >after
+cmp before after || fail 'a stopped run was touched'
+expect_status 0 "$seq" deck.dm2 -q -o stopped --restart auto # without the block, the run goes on
+same_run whole stopped
+
 # --- refuses, and touches nothing ---
 # refused STATUS TEXT DIR OPTION...
 refused()
@@ -156,7 +195,8 @@ refused()
     cmp before after || fail "$directory was touched: $text"
 }
 refused 2 'whole/final.dm2: is of step 400, the deck ends at 200' whole --steps 200
-refused 2 'half/final.dm2: ' half -D push=0.02
+refused 2 'half/final.dm2: belongs to another deck: `velocity` of body piston was 0.01 0, is 0.02 0 cm/us' half \
+    -D push=0.02
 leave bad
 for state in checkpoint checkpoint.prev; do
     printf '\377' | dd of=bad/$state.dm2 bs=1 seek=4000 conv=notrunc 2>dd.log

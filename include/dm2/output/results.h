@@ -104,6 +104,10 @@ bool results_warns(struct results *r, char line[RESULTS_LINE]);
  * before the checkpoint decided. */
 bool results_stopped(const struct results *r, int64_t *end);
 
+/* Whether the rows of history.csv in `directory` let a block `stop` of the deck end the run at `step`. A
+ * table that cannot be read lets none. */
+bool results_ended_by_stop(const char *directory, const struct config *config, int64_t step);
+
 /* results_history, results_profile and results_snapshot ignore a step that is already in the run directory,
  * because a run that went back to an earlier state repeats such steps with the same numbers.
  *
