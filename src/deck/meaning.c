@@ -253,6 +253,14 @@ static int compare_names(const void *a, const void *b)
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
+/* The keywords of an item that are written: the region of a probe of a body is only where the body started.
+ */
+static uint32_t keywords_of(enum block_kind kind, const void *item)
+{
+    bool of_body = kind == BLOCK_PROBE && ((const struct probe_config *)item)->mover >= 0;
+    return of_body ? ~(1u << schema_find_key(schema_block(kind), "region", strlen("region"))) : UINT32_MAX;
+}
+
 /* Blocks that fill an array whose items begin with their name. */
 static void put_things(struct writer *w, enum block_kind kind, bool numbered)
 {
@@ -270,7 +278,7 @@ static void put_things(struct writer *w, enum block_kind kind, bool numbered)
     for (size_t k = 0; k < n && order != NULL; k++) {
         struct head head;
         (void)snprintf(head.text, sizeof head.text, "%s %s", schema_block(kind)->name, order[k]);
-        put_item(w, kind, head.text, order[k], UINT32_MAX);
+        put_item(w, kind, head.text, order[k], keywords_of(kind, order[k]));
     }
     free(order);
 }

@@ -20,9 +20,10 @@ enum dm2_status state_origin_build(const struct model *model, struct state_origi
 {
     const struct config *c = model->config;
     size_t kinds = config_kinds(c);
-    *out = (struct state_origin){.next_id = (uint32_t)model->n_elements,
-                                 .next_grain = (uint32_t)model->n_grains,
-                                 .names = mem_zalloc(kinds + c->n_bodies + c->n_walls, sizeof *out->names)};
+    *out = (struct state_origin){
+        .next_id = (uint32_t)model->n_elements,
+        .next_grain = (uint32_t)model->n_grains,
+        .names = mem_zalloc(kinds + c->n_bodies + c->n_walls + c->n_loads, sizeof *out->names)};
     if (out->names == NULL)
         return dm2_fail(err, DM2_MEMORY, "no memory for the names of a state");
     for (size_t k = 0; k < kinds; k++) {
@@ -33,6 +34,9 @@ enum dm2_status state_origin_build(const struct model *model, struct state_origi
         add_name(out, NAME_BODY, c->bodies[b].name);
     for (size_t w = 0; w < c->n_walls; w++)
         add_name(out, NAME_WALL, c->walls[w].name);
+    for (size_t k = 0; k < c->n_loads; k++) /* the quantities of one block have one name */
+        if (k == 0 || strcmp(c->loads[k].name, c->loads[k - 1].name) != 0)
+            add_name(out, NAME_LOAD, c->loads[k].name);
     struct deck_meaning meaning;
     enum dm2_status status = meaning_build(c, 1u << PART_MEANING, &meaning, err);
     if (status != DM2_OK) {

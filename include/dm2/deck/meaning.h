@@ -3,8 +3,9 @@
  *
  * A line per keyword that is given or has a default, "body lid: velocity 0 -0.01"; blocks and keywords in the
  * schema's order; numbers in base units with the fewest digits that read back, so that equal texts mean equal
- * doubles, and -0 is 0. Blocks whose order numbers something (materials, phases, bodies, probes) stand in
- * deck order, all others by their names, interactions from the least to the most specific. */
+ * doubles, and -0 is 0. Blocks whose order numbers something (materials, phases, bodies, loads, probes) stand
+ * in deck order, all others by their names, interactions from the least to the most specific.
+ */
 #ifndef DM2_DECK_MEANING_H
 #define DM2_DECK_MEANING_H
 
