@@ -25,12 +25,12 @@ bool schedule_limit(const struct config *c, int64_t step)
 {
     static const int64_t apart = 10; /* the sums of the limit cost as much as two steps */
     int64_t every = c->output.history_every, rows = (apart + every - 1) / every;
-    return step == 0 || (schedule_history(c, step) && step % (rows * every) == 0);
+    return step == c->n_start || (schedule_history(c, step) && step % (rows * every) == 0);
 }
 
 bool schedule_measure(const struct config *c, int64_t step)
 {
-    bool due = step == 0 || schedule_history(c, step) || schedule_snapshot(c, step);
+    bool due = step == c->n_start || schedule_history(c, step) || schedule_snapshot(c, step);
     for (size_t k = 0; k < c->n_profiles; k++)
         due |= schedule_profile(c, k, step);
     return due;
@@ -38,5 +38,5 @@ bool schedule_measure(const struct config *c, int64_t step)
 
 bool schedule_checkpoint(const struct config *c, int64_t every, int64_t step)
 {
-    return every > 0 && step > 0 && step < c->steps && step % every == 0;
+    return every > 0 && step > c->n_start && step < c->steps && step % every == 0;
 }

@@ -314,9 +314,9 @@ static void start_body(struct generation *g)
     g->placed = m->placed[g->body];
     g->start = (struct rigid_motion){.spin = c->bodies[g->body].spin};
     if (g->placed)
-        motion_at(m, g->body, m->n_start, &g->start);
+        motion_at(m, g->body, m->config->n_start, &g->start);
     g->temperature =
-        held != NULL ? motion_load(m, (size_t)(held - c->loads), m->n_start) : c->bodies[g->body].temperature;
+        held != NULL ? motion_load(m, (size_t)(held - c->loads), m->config->n_start) : c->bodies[g->body].temperature;
 }
 
 enum dm2_status generate_elements(const struct model *model, element_sink sink, void *context,

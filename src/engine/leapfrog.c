@@ -18,12 +18,20 @@
 
 double leapfrog_kick_time(const struct model *m, int64_t step)
 {
-    return step == 0 ? 0.5 * m->config->dt : m->config->dt;
+    const struct config *c = m->config;
+    return step == c->n_start ? 0.5 * (c->dt_before + c->dt) : c->dt;
 }
 
 double leapfrog_path_time(const struct model *m, int64_t step)
 {
-    return step == 0 ? 0.0 : m->config->dt;
+    return step == m->config->n_start ? m->config->dt_before : m->config->dt;
+}
+
+/* The part of a kick before its whole step: all but dt/2, that is half of the kick, and nothing where the
+ * velocities are already those of the whole step. */
+static double find_share(const struct model *m, double dt_kick)
+{
+    return 1.0 - 0.5 * m->config->dt / dt_kick;
 }
 
 /* The changes of one element by one kick. */
@@ -114,7 +122,7 @@ DM2_INLINE struct kick find_kick(const struct model *m, const struct particles *
 void leapfrog_whole_velocity(const struct model *m, const struct particles *p, size_t i, int64_t step,
                              double v[2], double *w)
 {
-    double share = step == 0 ? 0.0 : 0.5; /* step 0 starts at the whole step */
+    double share = find_share(m, leapfrog_kick_time(m, step));
     struct kick k = find_kick(m, p, i, leapfrog_kick_time(m, step), m->has_near, m->has_damping, p->drives);
     for (size_t a = 0; a < 2; a++)
         v[a] = p->v[2 * i + a] + share * k.dv[a];
@@ -211,7 +219,7 @@ static bool measure_element(const struct model *m, const struct particles *p, si
                             const struct kick *k, struct measures *out)
 {
     const struct measure_scales *s = &m->scales;
-    double share = step == 0 ? 0.0 : 0.5, mass = p->mass[i];
+    double share = find_share(m, leapfrog_kick_time(m, step)), mass = p->mass[i];
     double v[2] = {p->v[2 * i] + share * k->dv[0], p->v[2 * i + 1] + share * k->dv[1]};
     double w = p->w[i] + share * k->dw, spin = 0.5 * mass * (p->radius[i] * p->radius[i]) * w;
     double x = particles_unwrapped(p, m, i, 0), y = particles_unwrapped(p, m, i, 1),
@@ -318,7 +326,7 @@ DM2_INLINE double kick_and_drift(const struct model *m, const struct particles *
     const struct config *c = m->config;
     const bool pulled = c->gravity[0] != 0.0 || c->gravity[1] != 0.0;
     double dt = c->dt, fastest2 = 0.0;
-    double share = dt_kick == dt ? 0.5 : 0.0; /* as in measure_element */
+    double share = find_share(m, dt_kick);
     *bad = p->n_own;
     for (size_t i = 0; i < p->n_own; i++) {
         const struct body_drive *drive = drives != NULL ? &drives[p->body[i]] : NULL;
@@ -336,7 +344,7 @@ DM2_INLINE double kick_and_drift(const struct model *m, const struct particles *
             return speed2;
         }
         if (drive != NULL)
-            p->work[i] += find_drive_work(p, i, drive, &k, dt_kick, 1.0, dt_kick < dt ? 0.0 : 0.5);
+            p->work[i] += find_drive_work(p, i, drive, &k, dt_kick, 1.0, share);
         if (placed)
             drive_place(drive, p->home + 2 * i, r);
         for (size_t a = 0; a < 2; a++) {

@@ -171,7 +171,7 @@ static void kick_axis(struct loading *l, size_t i, int axis)
     *next = l->body[i].axis[axis];
     if (at->load == NULL)
         return;
-    if (l->step - l->model->n_start >= 2) { /* before, there are no totals */
+    if (l->step - l->model->config->n_start >= 2) { /* before, there are no totals */
         const struct control_response response = find_response(l, i, axis);
         control_kick(&at->control, find_load(l, i, axis), at->weight, &response, next);
     }

@@ -131,7 +131,7 @@ enum dm2_status motion_build(struct model *m, struct dm2_error *err)
     enum dm2_status status =
         m->load_tables == NULL ? dm2_fail(err, DM2_MEMORY, "no memory for %zu loads", c->n_loads) : DM2_OK;
     for (size_t i = 0; i < c->n_loads && status == DM2_OK; i++)
-        status = build_table(&c->loads[i], m->t_start, &m->load_tables[i], err);
+        status = build_table(&c->loads[i], m->config->t_start, &m->load_tables[i], err);
     m->paths = mem_zalloc(config_movers(c), sizeof *m->paths);
     m->placed = mem_zalloc(c->n_bodies, sizeof *m->placed);
     if (status == DM2_OK && (m->paths == NULL || m->placed == NULL))
@@ -157,7 +157,7 @@ void motion_free(struct model *m)
 
 double motion_time(const struct model *m, int64_t step)
 {
-    return m->t_start + (double)(step - m->n_start) * m->config->dt;
+    return config_time(m->config, step);
 }
 
 double motion_load(const struct model *m, size_t load, int64_t step)
@@ -169,7 +169,7 @@ double motion_load(const struct model *m, size_t load, int64_t step)
 static double path_at(const struct model *m, const struct mover_path *d, int k, double t)
 {
     return d->table[k] != NULL ? motion_table_integral(d->table[k], t) - d->table[k]->start
-                               : d->constant[k] * (t - m->t_start);
+                               : d->constant[k] * (t - m->config->t_start);
 }
 
 void motion_at(const struct model *m, size_t mover, int64_t step, struct rigid_motion *out)
@@ -180,7 +180,7 @@ void motion_at(const struct model *m, size_t mover, int64_t step, struct rigid_m
         path[k] = path_at(m, d, k, t);
         if (d->table[k] == NULL)
             speed[k] = d->constant[k];
-        else if (step <= m->n_start)
+        else if (step <= m->config->n_start)
             speed[k] = motion_table_value(d->table[k], t);
         else
             speed[k] = (path[k] - path_at(m, d, k, before)) / m->config->dt;

@@ -21,6 +21,8 @@ enum dm2_status state_origin_build(const struct model *model, struct state_origi
     const struct config *c = model->config;
     size_t kinds = config_kinds(c);
     *out = (struct state_origin){
+        .n_start = c->n_start,
+        .t_start = c->t_start,
         .next_id = (uint32_t)model->n_elements,
         .next_grain = (uint32_t)model->n_grains,
         .names = mem_zalloc(kinds + c->n_bodies + c->n_walls + c->n_loads, sizeof *out->names)};

@@ -97,8 +97,6 @@ struct model {
     uint32_t *grain_first;      /* [n_grains + 1] likewise of each grain */
     struct fixed_scales fixed;
     struct measure_scales scales;
-    int64_t n_start;                  /* the step and the time at which the stage begins */
-    double t_start;                   /* us */
     struct motion_table *load_tables; /* [n_loads] */
     struct mover_path *paths;         /* [n_movers] */
     bool *placed;                     /* [n_bodies] config_is_placed */

@@ -32,7 +32,7 @@ enum dm2_status cracks_put(struct file_out *f, const struct config *c, int64_t s
     char time[NUMBER_TEXT_MAX + 1], x[NUMBER_TEXT_MAX + 1], y[NUMBER_TEXT_MAX + 1],
         energy[NUMBER_TEXT_MAX + 1];
     crack_list_sort(list);
-    time[number_format((double)step * c->dt, time)] = '\0';
+    time[number_format(config_time(c, step), time)] = '\0';
     for (size_t k = 0; k < list->n; k++) {
         const struct crack *crack = &list->items[k];
         x[number_format(crack->r[0], x)] = '\0';

@@ -125,7 +125,7 @@ void history_put_row(struct file_out *f, const struct config *c, const struct me
     const struct exact_sum *energies[] = {&m->kinetic,  &m->potential, &m->elastic, &m->thermal,
                                           &m->chemical, &m->phase,     &m->work,    &total};
     file_printf(f, "%" PRId64, step);
-    write_number(f, (double)step * c->dt);
+    write_number(f, config_time(c, step));
     for (size_t i = 0; i < sizeof energies / sizeof energies[0]; i++)
         write_number(f, exact_value(energies[i], scales->energy));
     for (int a = 0; a < 2; a++)
@@ -173,7 +173,7 @@ enum dm2_status history_put_profile(struct file_out *f, const struct config *c,
     for (size_t k = 0; k < (size_t)profile->bins; k++) {
         struct profile_means m = profile_means(&bins[k], profile, c, scales);
         file_printf(f, "%" PRId64, step);
-        write_number(f, (double)step * c->dt);
+        write_number(f, config_time(c, step));
         write_number(f, profile_centre(profile, k));
         file_printf(f, ",%" PRIu64, bins[k].elements);
         const double means[] = {m.density,   m.velocity[0], m.velocity[1], m.stress[0],
@@ -196,7 +196,7 @@ enum dm2_status history_put_fragments(struct file_out *f, const struct config *c
                                       const struct fragment_counts *counts, struct dm2_error *err)
 {
     file_printf(f, "%" PRId64, step);
-    write_number(f, (double)step * c->dt);
+    write_number(f, config_time(c, step));
     file_printf(f, ",%zu,%zu,%zu\n", counts->fragments, counts->single, counts->largest);
     return file_flush(f, err);
 }

@@ -174,7 +174,7 @@ static enum dm2_status write_series(struct results *r, const char *directory, in
     char *path = text_join(directory, "/", run_directory_series);
     if (path == NULL)
         return run_directory_no_memory(err);
-    enum dm2_status status = snapshot_write_series(path, series->items, series->n, r->config->dt, err);
+    enum dm2_status status = snapshot_write_series(path, series->items, series->n, r->config, err);
     free(path);
     return status;
 }

@@ -53,9 +53,9 @@ struct snapshot_steps {
 };
 
 /* Writes the ParaView collection of the files state-STEP.vtp (snapshot_file_name) beside `path`, one per
- * step; dt [us] gives their times. */
-enum dm2_status snapshot_write_series(const char *path, const int64_t *steps, size_t n_steps, double dt,
-                                      struct dm2_error *err);
+ * step; `config` gives their times. */
+enum dm2_status snapshot_write_series(const char *path, const int64_t *steps, size_t n_steps,
+                                      const struct config *config, struct dm2_error *err);
 
 /* The name of a step's file in its directory: "state-000000200.vtp" for suffix "vtp". */
 enum { SNAPSHOT_NAME_MAX = 48 };

@@ -280,7 +280,7 @@ static void write_string(struct file_out *f, const char *text)
 static void write_field_data(struct file_out *f, const struct snapshot *s)
 {
     const struct config *c = s->config;
-    double time = (double)s->step * c->dt;
+    double time = config_time(c, s->step);
     double domain[4] = {c->origin[0], c->origin[1], c->size[0], c->size[1]};
     file_puts(f, "    <FieldData>\n");
     write_doubles(f, "TimeValue", &time, 1);

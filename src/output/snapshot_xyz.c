@@ -48,7 +48,7 @@ static void write_comment_line(struct file_out *f, const struct snapshot *s)
         if (snapshot_has(s, &snapshot_fields[a]))
             write_property(f, &snapshot_fields[a]);
     char time[NUMBER_TEXT_MAX];
-    number_format((double)s->step * c->dt, time);
+    number_format(config_time(c, s->step), time);
     file_printf(f, " Time=%s Step=%" PRId64 "\n", time, s->step);
 }
 

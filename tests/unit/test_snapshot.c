@@ -317,7 +317,8 @@ TEST(series)
 {
     static const int64_t steps[] = {0, 40, 200};
     struct dm2_error err = {0};
-    CHECK_EQ_INT(snapshot_write_series(scratch_path("series.pvd"), steps, 3, 0.025, &err), DM2_OK);
+    const struct config c = {.dt = 0.025};
+    CHECK_EQ_INT(snapshot_write_series(scratch_path("series.pvd"), steps, 3, &c, &err), DM2_OK);
     check_well_formed("series.pvd");
     char *text = scratch_read("series.pvd", NULL);
     CHECK_CONTAINS(text, "<DataSet timestep=\"0\" group=\"\" part=\"0\" file=\"state-000000000.vtp\"/>");

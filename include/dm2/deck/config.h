@@ -278,6 +278,10 @@ struct config {
     double dt;      /* us */
     char *dt_place; /* place of `dt` in the deck, for config_fail; NULL: unknown */
     int64_t steps;
+    int64_t n_start; /* the step with which the run's stage begins, its first one; 0 without a stage before */
+    double t_start;  /* time of that step, us */
+    double
+        dt_before; /* of the steps before n_start, us; 0: the velocities at n_start are those of that time */
     double gravity[2]; /* body acceleration, cm/us2 */
     double damping;    /* alpha of local damping, 0 <= alpha < 1; 0 by default */
     size_t n_materials, n_phases, n_reactions, n_bodies, n_probes, n_profiles, n_voids, n_flaws, n_loads,
@@ -321,6 +325,12 @@ const struct load_config *config_load(const struct config *c, size_t mover, enum
 bool config_is_placed(const struct config *c, size_t body);
 /* The number of probes of regions. */
 size_t config_regions(const struct config *c);
+
+/* The time of a step, us: t_start + (step - n_start) dt, multiplied out. */
+static inline double config_time(const struct config *c, int64_t step)
+{
+    return c->t_start + (double)(step - c->n_start) * c->dt;
+}
 
 /* The contact distance of the two largest elements, cm; 0 without a body whose radius is known. */
 double config_contact_distance(const struct config *c);
