@@ -38,6 +38,11 @@ enum dm2_status meaning_build(const struct config *config, unsigned parts, struc
                               struct dm2_error *err);
 void meaning_free(struct deck_meaning *meaning);
 
+/* The config of the deck that has the meaning text[0 .. length), of any bytes, with PART_MEANING alone:
+ * keywords of other parts have their defaults, `steps` is 1. *out is freed by config_free. DM2_PROTOCOL: the
+ * text is no meaning; DM2_MEMORY. Then *out is empty. */
+enum dm2_status meaning_load(const char *text, size_t length, struct config *out, struct dm2_error *err);
+
 /* Says in which keyword, or in which order of blocks, two texts of meaning_build first differ, as a sentence
  * without its end: "`velocity` of body piston was 0 -0.01, is 0 -0.02 cm/us". False: the texts are the same.
  * Texts may be any bytes. */
