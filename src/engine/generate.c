@@ -315,8 +315,8 @@ static void start_body(struct generation *g)
     g->start = (struct rigid_motion){.spin = c->bodies[g->body].spin};
     if (g->placed)
         motion_at(m, g->body, m->config->n_start, &g->start);
-    g->temperature =
-        held != NULL ? motion_load(m, (size_t)(held - c->loads), m->config->n_start) : c->bodies[g->body].temperature;
+    g->temperature = held != NULL ? motion_load(m, (size_t)(held - c->loads), m->config->n_start)
+                                  : c->bodies[g->body].temperature;
 }
 
 enum dm2_status generate_elements(const struct model *model, element_sink sink, void *context,
