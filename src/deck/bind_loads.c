@@ -16,6 +16,26 @@ struct load_block load_block_start(void)
     return (struct load_block){.common = {.mover = MOVER_NONE, .between = {MOVER_NONE, MOVER_NONE}}};
 }
 
+static const char *mover_name(const void *context, size_t i)
+{
+    return config_mover_name(context, i);
+}
+
+int binding_mover(struct deck_binding *b, struct deck_place name)
+{
+    size_t n = config_movers(b->config);
+    for (size_t i = 0; i < n; i++)
+        if (place_is(b->tree->source, name, config_mover_name(b->config, i)))
+            return (int)i;
+    struct word_list known = {mover_name, b->config, n};
+    struct place_text text;
+    struct word_hint hint;
+    if (!b->tree->incomplete)
+        findings_error(b->findings, name, "there is no body '%s'%s", place_text(b->tree->source, name, &text),
+                       words_hint(&known, place_bytes(b->tree->source, name), name.length, &hint));
+    return -1;
+}
+
 static const struct deck_key *key_of(enum load_quantity quantity)
 {
     return &schema_block(BLOCK_LOAD)->keys[quantity];

@@ -326,26 +326,6 @@ int binding_body(struct deck_binding *b, struct deck_place name)
     return -1;
 }
 
-static const char *mover_name(const void *context, size_t i)
-{
-    return config_mover_name(context, i);
-}
-
-int binding_mover(struct deck_binding *b, struct deck_place name)
-{
-    size_t n = config_movers(b->config);
-    for (size_t i = 0; i < n; i++)
-        if (place_is(b->tree->source, name, config_mover_name(b->config, i)))
-            return (int)i;
-    struct word_list known = {mover_name, b->config, n};
-    struct place_text text;
-    struct word_hint hint;
-    if (!b->tree->incomplete)
-        findings_error(b->findings, name, "there is no body '%s'%s", place_text(b->tree->source, name, &text),
-                       words_hint(&known, place_bytes(b->tree->source, name), name.length, &hint));
-    return -1;
-}
-
 static bool read_movers(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
                         size_t *out)
 {

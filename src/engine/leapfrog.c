@@ -313,6 +313,16 @@ static bool set_place(const struct model *m, const struct particles *p, size_t a
     return p->image[at] <= IMAGE_MOST && p->image[at] >= -IMAGE_MOST;
 }
 
+/* Puts coordinate `at`, along direction a, to x. False as wrap_place. */
+DM2_INLINE bool put_coordinate(const struct model *m, const struct particles *p, size_t at, size_t a,
+                               double x, bool placed)
+{
+    if (placed && m->grid.periodic[a])
+        return set_place(m, p, at, a, x);
+    p->r[at] = x;
+    return !m->grid.periodic[a] || wrap_place(m, p, at, a);
+}
+
 /* Kicks and drifts the owned elements; compiled apart for decks with near pairs, without, and with local
  * damping or drives. Returns the largest squared speed; *bad is the first slot whose squared speed is not
  * below limit2, or that has gone round the domain more than IMAGE_MOST times, n_own if there is none. `own`
@@ -351,15 +361,7 @@ DM2_INLINE double kick_and_drift(const struct model *m, const struct particles *
             p->v[2 * i + a] = v[a];
             if (!placed)
                 r[a] += v[a] * dt;
-            if (placed && m->grid.periodic[a]) {
-                if (!set_place(m, p, 2 * i + a, a, r[a])) {
-                    *bad = i;
-                    return speed2;
-                }
-                continue;
-            }
-            p->r[2 * i + a] = r[a];
-            if (m->grid.periodic[a] && !wrap_place(m, p, 2 * i + a, a)) {
+            if (!put_coordinate(m, p, 2 * i + a, a, r[a], placed)) {
                 *bad = i;
                 return speed2;
             }
