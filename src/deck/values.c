@@ -37,6 +37,11 @@ static struct deck_place word_at(const struct deck_binding *b, const struct deck
     return place;
 }
 
+struct deck_place value_word(const struct deck_binding *b, const struct deck_entry *entry, size_t i)
+{
+    return word_at(b, entry, i);
+}
+
 static bool check_count(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
                         size_t want)
 {
@@ -150,6 +155,11 @@ static int read_choice(struct deck_binding *b, const struct deck_key *key, struc
     return -1;
 }
 
+int value_read_choice(struct deck_binding *b, const struct deck_key *key, struct deck_place word)
+{
+    return read_choice(b, key, word);
+}
+
 /* Makes the values of a keyword unknown. */
 static void forget_reals(const struct deck_key *key, double *out)
 {
@@ -184,20 +194,6 @@ static bool read_words(struct deck_binding *b, const struct deck_key *key, const
             ((bool *)at)[i] = choice == 1;
     }
     return ok;
-}
-
-static bool read_set(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
-                     uint32_t *out)
-{
-    uint32_t set = 0;
-    for (size_t i = 0; i < entry->n; i++) {
-        int choice = read_choice(b, key, word_at(b, entry, i));
-        if (choice < 0)
-            return false;
-        set |= UINT32_C(1) << choice;
-    }
-    *out = set;
-    return true;
 }
 
 /* --- shapes --- */
@@ -359,24 +355,6 @@ static bool read_body(struct deck_binding *b, const struct deck_key *key, const 
         return false;
     *out = binding_body(b, word_at(b, entry, 0));
     return *out >= 0;
-}
-
-static bool read_bodies(struct deck_binding *b, const struct deck_entry *entry, bool **out)
-{
-    bool ok = true;
-    free(*out);
-    *out = mem_zalloc(b->config->n_bodies, sizeof **out);
-    if (*out == NULL) {
-        b->findings->no_memory = true;
-        return false;
-    }
-    for (size_t i = 0; i < entry->n; i++) {
-        int body = binding_body(b, word_at(b, entry, i));
-        ok = ok && body >= 0;
-        if (body >= 0)
-            (*out)[body] = true;
-    }
-    return ok;
 }
 
 static bool read_mix(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
@@ -547,11 +525,11 @@ static bool read_value(struct deck_binding *b, const struct deck_key *key, struc
     case VALUE_POINTS:
         return load_read_points(b, key, entry, at);
     case VALUE_BODIES:
-        return read_bodies(b, entry, at);
+        return value_read_bodies(b, entry, at);
     case VALUE_MIX:
         return read_mix(b, key, entry, base);
     case VALUE_SET:
-        return read_set(b, key, entry, at);
+        return value_read_set(b, key, entry, at);
     case VALUE_LIMIT:
         return read_limit(b, key, entry, base);
     case VALUE_STEPS:

@@ -40,19 +40,15 @@ static void value_text(const struct deck_key *key, char *out, size_t size)
         break;
     case VALUE_MATERIALS:
     case VALUE_NAME:
-        (void)snprintf(out, size, key->count > 1 ? "names" : "name");
-        break;
     case VALUE_MOVERS:
-        (void)snprintf(out, size, key->count > 1 ? "names" : "name");
+    case VALUE_BODIES:
+        (void)snprintf(out, size, key->count > 1 || key->type == VALUE_BODIES ? "names" : "name");
         break;
     case VALUE_FILE:
         (void)snprintf(out, size, "file name");
         break;
     case VALUE_POINTS:
         (void)snprintf(out, size, "points: time, us, then %s", u);
-        break;
-    case VALUE_BODIES:
-        (void)snprintf(out, size, "names");
         break;
     case VALUE_MIX:
         (void)snprintf(out, size, "names and numbers");
