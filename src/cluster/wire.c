@@ -286,6 +286,7 @@ void wire_put_bin(struct bytes_writer *w, const struct profile_bin *b)
     for (int a = 0; a < 3; a++)
         put_sum(w, &b->stress[a]);
     put_sum(w, &b->temperature);
+    put_sum(w, &b->area);
 }
 
 void wire_get_bin(struct bytes_reader *r, struct profile_bin *out)
@@ -298,6 +299,7 @@ void wire_get_bin(struct bytes_reader *r, struct profile_bin *out)
     for (int a = 0; a < 3; a++)
         get_sum(r, &out->stress[a]);
     get_sum(r, &out->temperature);
+    get_sum(r, &out->area);
 }
 
 static void put_elements(struct bytes_writer *w, const struct element *e, size_t n, bool mirrors)

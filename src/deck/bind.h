@@ -82,10 +82,9 @@ int binding_mover(struct deck_binding *b, struct deck_place name);
 struct deck_place value_word(const struct deck_binding *b, const struct deck_entry *entry, size_t i);
 int value_read_choice(struct deck_binding *b, const struct deck_key *key, struct deck_place word);
 
-/* Read the values of a VALUE_SET and of a VALUE_BODIES. False: a finding was added. */
-bool value_read_set(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
-                    uint32_t *out);
-bool value_read_bodies(struct deck_binding *b, const struct deck_entry *entry, bool **out);
+/* Reads the values of a VALUE_SET or a VALUE_BODIES to `at`. False: a finding was added. */
+bool value_read_list(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
+                     void *at);
 
 /* The i-th value of an entry as a number of the keyword's dimension and within the keyword's limits. False: a
  * finding was added. */

@@ -4,8 +4,8 @@
 #include "dm2/base/mem.h"
 #include "bind.h"
 
-bool value_read_set(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
-                    uint32_t *out)
+static bool read_set(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
+                     uint32_t *out)
 {
     uint32_t set = 0;
     for (size_t i = 0; i < entry->n; i++) {
@@ -18,7 +18,7 @@ bool value_read_set(struct deck_binding *b, const struct deck_key *key, const st
     return true;
 }
 
-bool value_read_bodies(struct deck_binding *b, const struct deck_entry *entry, bool **out)
+static bool read_bodies(struct deck_binding *b, const struct deck_entry *entry, bool **out)
 {
     bool ok = true;
     free(*out);
@@ -34,4 +34,10 @@ bool value_read_bodies(struct deck_binding *b, const struct deck_entry *entry, b
             (*out)[body] = true;
     }
     return ok;
+}
+
+bool value_read_list(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
+                     void *at)
+{
+    return key->type == VALUE_SET ? read_set(b, key, entry, at) : read_bodies(b, entry, at);
 }

@@ -524,12 +524,11 @@ static bool read_value(struct deck_binding *b, const struct deck_key *key, struc
         return read_file_name(b, key, entry);
     case VALUE_POINTS:
         return load_read_points(b, key, entry, at);
+    case VALUE_SET:
     case VALUE_BODIES:
-        return value_read_bodies(b, entry, at);
+        return value_read_list(b, key, entry, at);
     case VALUE_MIX:
         return read_mix(b, key, entry, base);
-    case VALUE_SET:
-        return value_read_set(b, key, entry, at);
     case VALUE_LIMIT:
         return read_limit(b, key, entry, base);
     case VALUE_STEPS:

@@ -6,6 +6,7 @@
 
 #include "leapfrog.h"
 #include "particles.h"
+#include "probes.h"
 
 static double bin_width(const struct profile_config *c)
 {
@@ -36,6 +37,7 @@ static bool add_element(const struct model *m, const struct particles *p, size_t
     bin->elements++;
     bool fits = exact_add(&bin->mass, p->mass[i], s->mass);
     fits &= exact_add(&bin->volume, volume, s->volume);
+    fits &= exact_add(&bin->area, probe_disc_area(p->radius[i]), s->volume);
     fits &= exact_add(&bin->temperature, particles_temperature(p, m, i), s->temperature);
     for (int a = 0; a < 2; a++)
         fits &= exact_add(&bin->momentum[a], p->mass[i] * v[a], s->momentum);
@@ -66,6 +68,7 @@ void profile_merge(struct profile_bin *bins, const struct profile_bin *part, siz
         exact_merge(&bins[k].mass, &part[k].mass);
         exact_merge(&bins[k].volume, &part[k].volume);
         exact_merge(&bins[k].temperature, &part[k].temperature);
+        exact_merge(&bins[k].area, &part[k].area);
         for (int a = 0; a < 2; a++)
             exact_merge(&bins[k].momentum[a], &part[k].momentum[a]);
         for (int a = 0; a < 3; a++)
@@ -80,6 +83,7 @@ struct profile_means profile_means(const struct profile_bin *bin, const struct p
     double mass = exact_value(&bin->mass, scales->mass), volume = exact_value(&bin->volume, scales->volume);
     double across = config->size[c->axis == AXIS_X ? 1 : 0]; /* times h = 1 cm */
     out.density = mass / (bin_width(c) * across);
+    out.porosity = 1.0 - exact_value(&bin->area, scales->volume) / (bin_width(c) * across);
     out.temperature = exact_value(&bin->temperature, scales->temperature) / (double)bin->elements;
     for (int a = 0; a < 2; a++)
         out.velocity[a] = exact_value(&bin->momentum[a], scales->momentum) / mass;

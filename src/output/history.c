@@ -155,8 +155,9 @@ void history_put_row(struct file_out *f, const struct config *c, const struct me
 void history_put_profile_heading(struct file_out *f, const struct profile_config *c)
 {
     static const char *const columns[][2] = {
-        {"elements", ""},      {"density", "g/cm3"},  {"vx", "cm/us"},       {"vy", "cm/us"},
-        {"stress_xx", "Mbar"}, {"stress_yy", "Mbar"}, {"stress_xy", "Mbar"}, {"temperature", "K"}};
+        {"elements", ""},      {"density", "g/cm3"},  {"vx", "cm/us"},
+        {"vy", "cm/us"},       {"stress_xx", "Mbar"}, {"stress_yy", "Mbar"},
+        {"stress_xy", "Mbar"}, {"temperature", "K"},  {"porosity", ""}};
     file_printf(f, "step,time [us],%s [cm]", c->axis == AXIS_X ? "x" : "y");
     for (size_t i = 0; i < sizeof columns / sizeof columns[0]; i++) {
         file_puts(f, ",");
@@ -177,7 +178,7 @@ enum dm2_status history_put_profile(struct file_out *f, const struct config *c,
         write_number(f, profile_centre(profile, k));
         file_printf(f, ",%" PRIu64, bins[k].elements);
         const double means[] = {m.density,   m.velocity[0], m.velocity[1], m.stress[0],
-                                m.stress[1], m.stress[2],   m.temperature};
+                                m.stress[1], m.stress[2],   m.temperature, m.porosity};
         for (size_t i = 0; i < sizeof means / sizeof means[0]; i++)
             write_number(f, means[i]);
         file_puts(f, "\n");

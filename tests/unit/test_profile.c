@@ -54,10 +54,12 @@ TEST(rows_at_the_start)
         struct profile_means m = means(&g, 0, &rows[k]);
         CHECK_EQ_INT(rows[k].elements, k < 11 ? 20 : 0);
         if (k >= 11) {
-            CHECK(m.density == 0 && isnan(m.velocity[0]) && isnan(m.stress[1]) && isnan(m.temperature));
+            CHECK(m.density == 0 && m.porosity == 1 && isnan(m.velocity[0]) && isnan(m.stress[1]) &&
+                  isnan(m.temperature));
             continue;
         }
         CHECK_NEAR(m.density, k < 6 ? 8 : 2, 1e-12);
+        CHECK_NEAR(m.porosity, 1 - acos(-1) / (2 * sqrt(3)), 1e-12); /* of a hexagonal lattice */
         CHECK_NEAR(m.velocity[0], k < 6 ? 0.01 : 0, 1e-15);
         CHECK_NEAR(m.velocity[1], k < 6 ? 0.04 : 0, 1e-15);
         CHECK_NEAR(m.temperature, k < 6 ? 300 : 400, 1e-10);

@@ -254,6 +254,7 @@ TEST(profile_rows)
     for (int c = 0; c < 3; c++)
         exact_add(&bins[0].stress[c], -0.5 * c, scales.energy);
     exact_add(&bins[0].temperature, 1240, scales.temperature);
+    exact_add(&bins[0].area, (2) / 8.0, scales.volume);
     struct results *r = open_results(&f, "profile", false);
     CHECK(schedule_profile(&f.config, 0, 0) && schedule_profile(&f.config, 0, 20) &&
           schedule_profile(&f.config, 0, 200) && !schedule_profile(&f.config, 0, 5));
@@ -263,9 +264,9 @@ TEST(profile_rows)
     CHECK_EQ_INT(results_close(r, &err), DM2_OK);
     char *text = scratch_read("profile/profile-depth.csv", NULL);
     CHECK_STR(text, "step,time [us],y [cm],elements,density [g/cm3],vx [cm/us],vy [cm/us],stress_xx [Mbar],"
-                    "stress_yy [Mbar],stress_xy [Mbar],temperature [K]\n"
-                    "40,1,0.125,4,4,-0.5,0.25,0,-2,-4,310\n"
-                    "40,1,0.375,0,0,nan,nan,nan,nan,nan,nan\n");
+                    "stress_yy [Mbar],stress_xy [Mbar],temperature [K],porosity\n"
+                    "40,1,0.125,4,4,-0.5,0.25,0,-2,-4,310,0.5\n"
+                    "40,1,0.375,0,0,nan,nan,nan,nan,nan,nan,1\n");
     free(text);
     r = open_results(&f, "profile-aborted", false);
     CHECK_EQ_INT(results_profile(r, 0, 40, bins, &err), DM2_OK);

@@ -24,7 +24,7 @@ enum {
     WIRE_MEASURED = 56,                /* a struct element_measure */
     WIRE_FORCE = 32,                   /* a struct pair_measure */
     WIRE_MEASURES = 330,               /* the measures without their probes */
-    WIRE_BIN = 8 + 8 * 16              /* a struct profile_bin */
+    WIRE_BIN = 8 + 9 * 16              /* a struct profile_bin */
 };
 
 /* Most pairs per element of the run in a state that arrives: far more than fit around an element. */

@@ -20,11 +20,13 @@ struct profile_bin {
     struct exact_sum mass, momentum[2]; /* g, g cm/us, at the whole step */
     struct exact_sum volume, stress[3]; /* cm3, stress times volume: Mbar cm3 */
     struct exact_sum temperature;       /* K */
+    struct exact_sum area;              /* of the discs, cm2 */
 };
 
-/* The means of one bin; NaN, but for the density, where the bin has no element. */
+/* The means of one bin; NaN, but for density and porosity, where the bin has no element. */
 struct profile_means {
     double density;     /* mass over the volume of the bin, which spans the domain, g/cm3 */
+    double porosity;    /* 1 - area of the discs over that of the bin, which spans the domain */
     double velocity[2]; /* weighted by mass, cm/us */
     double stress[3];   /* weighted by volume, xx yy xy, Mbar */
     double temperature; /* mean over the elements, K */
