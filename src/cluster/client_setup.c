@@ -307,7 +307,9 @@ static enum dm2_status send_deck(struct client *c, bool texts, struct dm2_error 
     (void)snprintf(name, sizeof name, "%s", name_deck(c->options->deck_path));
     m.name = name;
     struct deck_meaning meaning;
-    enum dm2_status status = meaning_build(c->job->config, PARTS_ALL, &meaning, err);
+    struct config config = *c->job->config;
+    config.steps = config.deck_steps; /* the server does not know yet that the run ends earlier */
+    enum dm2_status status = meaning_build(&config, PARTS_ALL, &meaning, err);
     if (status != DM2_OK)
         return status;
     memcpy(m.digest, meaning.digest, sizeof m.digest);

@@ -284,15 +284,8 @@ static size_t get_loads(struct bytes_reader *r, struct load_totals *loads)
     return r->failed ? 0 : n;
 }
 
-enum {
-    STEP_REBUILD = 1,
-    STEP_MEASURED = 2,
-    STEP_HASHED = 4,
-    STEP_SURVEYED = 8,
-    STEP_CRACKED = 16,
-    STEP_LOADED = 32,
-    STEP_FLAGS = 63
-};
+enum { STEP_REBUILD = 1, STEP_MEASURED = 2, STEP_HASHED = 4, STEP_SURVEYED = 8 };
+enum { STEP_CRACKED = 16, STEP_LOADED = 32, STEP_FLAGS = 63 };
 
 void message_put_step(struct bytes_writer *w, const struct step_message *m)
 {

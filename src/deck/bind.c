@@ -566,6 +566,7 @@ bool deck_bind(struct deck_binding *b, int64_t steps)
     check_missing_blocks(b);
     if (steps >= 0)
         c->steps = steps;
+    c->deck_steps = c->steps;
     /* The domain and the time are bound by now; finish_profile and walls_finish read them. */
     ok = bind_things(b, BLOCK_PROFILE) && bind_things(b, BLOCK_STOP) && ok;
     walls_finish(b);

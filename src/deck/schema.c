@@ -328,7 +328,7 @@ static const struct deck_key stop_keys[] = {
      .meaning = "holds where the kinetic energy is below this"},
     {"probe", VALUE_LIMIT, 1, PLAIN, ANY, .initial = "none", FIELD(column), .part = PART_LOOKS,
      .meaning =
-         "`NAME vx above 0.01`: holds where this quantity of the probe is `above` or `below` the number"},
+         "`NAME fy above 0.01`: holds where this quantity of the probe is `above` or `below` the number"},
     {"after", VALUE_REAL, 1, TIME, NOT_NEGATIVE, .initial = "0", FIELD(after), .part = PART_LOOKS,
      .meaning = "the block ends the run once its conditions have held at all rows of this time"},
 };

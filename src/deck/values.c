@@ -9,6 +9,7 @@
 #include "dm2/base/mem.h"
 #include "bind.h"
 #include "bind_loads.h"
+#include "bind_stops.h"
 #include "expr.h"
 
 /* Every whole number up to 2^53 is exact as a double. */
@@ -401,57 +402,6 @@ static bool read_material(struct deck_binding *b, const struct deck_key *key, co
     return body->n_mix == 1;
 }
 
-/* --- limits of probes --- */
-
-static const char *probe_name(const void *context, size_t i)
-{
-    return ((const struct config *)context)->probes[i].name;
-}
-
-/* The probe that a value names. NULL: no such probe, a finding was added. */
-static const struct probe_config *find_probe(struct deck_binding *b, struct deck_place name)
-{
-    const char *bytes = place_bytes(b->tree->source, name);
-    for (size_t i = 0; i < b->config->n_probes; i++)
-        if (place_is(b->tree->source, name, b->config->probes[i].name))
-            return &b->config->probes[i];
-    struct word_list known = {probe_name, b->config, b->config->n_probes};
-    struct place_text text;
-    struct word_hint hint;
-    if (!b->tree->incomplete)
-        findings_error(b->findings, name, "there is no probe '%s'%s",
-                       place_text(b->tree->source, name, &text),
-                       words_hint(&known, bytes, name.length, &hint));
-    return NULL;
-}
-
-static bool read_limit(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
-                       struct stop_config *stop)
-{
-    static const struct deck_key quantity = {.name = "probe", .choices = "x|y|vx|vy"};
-    static const struct deck_key side = {.name = "probe", .choices = "below|above"};
-    static const char *const names[] = {"x", "y", "vx", "vy"};
-    struct deck_key number = {.name = key->name, .low = -HUGE_VAL, .high = HUGE_VAL};
-    if (entry->n != 4) {
-        findings_error(b->findings, entry->key,
-                       "'%s' takes the name of a probe, one of its quantities, above or below, and a number: "
-                       "found %zu value%s",
-                       key->name, entry->n, entry->n == 1 ? "" : "s");
-        return false;
-    }
-    const struct probe_config *probe = find_probe(b, word_at(b, entry, 0));
-    int which = read_choice(b, &quantity, word_at(b, entry, 1));
-    int above = read_choice(b, &side, word_at(b, entry, 2));
-    if (probe == NULL || which < 0 || above < 0)
-        return false;
-    number.dim = which < 2 ? (struct dimension){.length = 1} : (struct dimension){.length = 1, .time = -1};
-    if (!value_read_real(b, &number, entry, 3, &stop->value))
-        return false;
-    stop->above = above == 1;
-    (void)snprintf(stop->column, sizeof stop->column, "%s_%s", probe->name, names[which]);
-    return true;
-}
-
 /* --- output --- */
 
 static int compare_steps(const void *a, const void *b)
@@ -530,7 +480,7 @@ static bool read_value(struct deck_binding *b, const struct deck_key *key, struc
     case VALUE_MIX:
         return read_mix(b, key, entry, base);
     case VALUE_LIMIT:
-        return read_limit(b, key, entry, base);
+        return stop_read_probe(b, key, entry, base);
     case VALUE_STEPS:
         return read_steps(b, key, entry, &config->output);
     case VALUE_FORMATS:

@@ -214,6 +214,13 @@ DM2_INLINE double find_damped(const struct particles *p, size_t i, const struct 
            inertia * (k->held_spin * (p->w[i] + share * k->dw));
 }
 
+DM2_INLINE void add_damped(const struct particles *p, size_t i, const struct kick *k, double share,
+                           bool damped)
+{
+    if (damped)
+        p->damped[i] += find_damped(p, i, k, share);
+}
+
 /* Adds the part of slot i to the measures of this step. False where a value leaves the range of its sum. */
 static bool measure_element(const struct model *m, const struct particles *p, size_t i, int64_t step,
                             const struct kick *k, struct measures *out)
@@ -342,8 +349,7 @@ DM2_INLINE double kick_and_drift(const struct model *m, const struct particles *
         const struct body_drive *drive = drives != NULL ? &drives[p->body[i]] : NULL;
         const bool placed = drive != NULL && drive->placed;
         struct kick k = find_kick(m, p, i, dt_kick, near, damped, drives);
-        if (damped)
-            p->damped[i] += find_damped(p, i, &k, share);
+        add_damped(p, i, &k, dt_kick == dt ? 0.5 : 0.0, damped); /* the share as in measure_element */
         double v[2] = {p->v[2 * i] + k.dv[0], p->v[2 * i + 1] + k.dv[1]},
                r[2] = {p->r[2 * i], p->r[2 * i + 1]};
         if (placed) /* exactly, not but for the rounding of the kick */

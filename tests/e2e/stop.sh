@@ -75,6 +75,16 @@ expect_text one/run.log "stop: p_vx below -0.01 at row $row: the run ends"
 expect_status 0 "$DM2_BIN/dm2-client" settle.dm2 -D low=-0.01 -n 3 -q -o several --overwrite
 same_bytes one/history.csv several/history.csv
 
+# Bad conditions.
+for bad in 'probe = q vx above 1:no probe .q.' 'probe = p vz above 1:no quantity .vz.' \
+    'probe = p vx over 1:no side .over.' 'probe = p vx above 1 K:is a velocity' \
+    'after = 1:lacks a condition' \
+    'probe = p torque above 1:does not report .torque.' 'probe = p vx:found 2 values'; do
+    { cat settle.dm2; echo "stop { ${bad%%:*} }"; } >bad.dm2
+    expect_status 2 "$DM2_BIN/dm2-seq" bad.dm2 --check
+    grep -q "^bad.dm2:16:.*${bad#*:}" err || fail "stop { ${bad%%:*} }: $(cat err)"
+done
+
 # A row less than three steps before the end ends nothing earlier.
 expect_status 0 "$DM2_BIN/dm2-seq" settle.dm2 -D low=-0.01 --steps $((row + 1)) -q -o one --overwrite
 [ "$(tail -n 1 one/history.csv | cut -d, -f1)" = $((row + 1)) ] || fail "the run has not its own last step"

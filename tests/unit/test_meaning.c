@@ -31,6 +31,7 @@ static const struct entry domain[] = {{"size", "6 cm, 4 cm", "60 mm 4", "6.5, 4"
                                       {"balance", "space", "space", "particles", 1},
                                       {"damping", "0", "-0", "0.25", 1},
                                       {"gravity", "0 -0.5", "0, -0.5 cm/us2", "0 -0.25", 0},
+                                      {"damping", "0", "0", "0.5", 1},
                                       {0}};
 static const struct entry steps[] = {
     {"dt", "0.0009765625 us", "2^-10", "0.0004", 0}, {"steps", "200", "2*100", "300", 0}, {0}};
@@ -231,6 +232,12 @@ static const struct entry output[] = {{"history_every", "150", "150", "5", 1},
                                       {"bodies", "plate", "plate", "ball", 0},
                                       {"strain", "no", "no", "yes", 1},
                                       {0}};
+static const struct entry ended[] = {
+    {"unbalanced", "0.125", "1/8", "0.25", 0},
+    {"kinetic", "1e-3", "1e-3", "2e-3", 0},
+    {"probe", "face vx above 0.5", "face, vx, above, 0.5", "face vy above 0.5", 0},
+    {"after", "0.25", "0.25 us", "0.5", 0},
+    {0}};
 /* Blocks of one word keep their order where it numbers something; the two voids may be exchanged. */
 static const struct block deck[] = {{"domain", "", domain},
                                     {"time", "", steps},
@@ -266,6 +273,7 @@ static const struct block deck[] = {{"domain", "", domain},
                                     {"probe", "lift", felt},
                                     {"stop", "", rest},
                                     {"profile", "across", profile},
+                                    {"stop", "", ended},
                                     {"output", "", output}};
 enum { BLOCKS = sizeof deck / sizeof deck[0], TEXT_MOST = 1 << 16 };
 

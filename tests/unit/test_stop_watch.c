@@ -1,11 +1,13 @@
 /* Blocks `stop`: at which row one ends the run, with one condition or several, with `after`, and for a run
  * that continues. */
 #include "check.h"
+#include "deck_help.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "dm2/engine/probe.h"
 #include "output/stop_watch.h"
 
 static const char heading[] = "step,time [us],kinetic [g cm2/us2],unbalanced,p_vx [cm/us]\n";
@@ -140,5 +142,30 @@ TEST(a_column_that_is_not_there)
     csv_free(&table);
 }
 
+/* Every column of a probe can end a run. */
+TEST(the_columns_of_probes)
+{
+    static const char deck[] =
+        "domain { size = 9 9; r_c = 1.1; delta_r = 0.1 }\ntime { dt = 0.1; steps = 1 }\n"
+        "material M { mass = 1 }\ninteraction { potential = quadratic; k = 1 }\n"
+        "body lid { shape = rectangle 2 2 4 4; spacing = 1; material = M }\n";
+    static const char all[] = "position, velocity, force, torque, spin, stress, temperature, kinetic";
+    for (int k = 0; k < PROBE_COLUMNS; k++) {
+        char text[800], column[80];
+        bool region = probe_columns[k].quantity == REPORT_POROSITY;
+        snprintf(text, sizeof text, "%sprobe p { %s; report = %s }\nstop { probe = p %s above 0.25 }\n", deck,
+                 region ? "region = 2 2 3 3" : "body = lid", region ? "porosity" : all,
+                 probe_columns[k].suffix);
+        struct loaded d = load_text(text, NULL, -1);
+        CHECK_REPORT(d.status == DM2_OK, "%s", d.status == DM2_OK ? "" : d.report.text);
+        if (d.status == DM2_OK) {
+            snprintf(column, sizeof column, "p_%s", probe_columns[k].suffix);
+            CHECK_STR(d.config.stops[0].column, column);
+            CHECK(d.config.stops[0].above && d.config.stops[0].value == 0.25);
+        }
+        loaded_free(&d);
+    }
+}
+
 TEST_MAIN(CASE(conditions), CASE(after), CASE(several_blocks), CASE(a_run_that_continues),
-          CASE(a_column_that_is_not_there))
+          CASE(a_column_that_is_not_there), CASE(the_columns_of_probes))

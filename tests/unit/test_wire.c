@@ -299,26 +299,6 @@ TEST(a_ready_message_round_trip)
     bytes_free(&w);
 }
 
-TEST(the_end_of_a_run_in_next)
-{
-    struct bytes_writer w = {0};
-    struct next_message next = {.step = 3, .ends = true}, next_in;
-    message_put_next(&w, &next);
-    CHECK_EQ_INT(w.data[8], 32);
-    struct bytes_reader r = bytes_reader_of(w.data, w.length);
-    message_get_next(&r, &next_in);
-    CHECK(bytes_done(&r) && next_in.ends);
-    w.data[8] |= 1; /* redo */
-    r = bytes_reader_of(w.data, w.length);
-    message_get_next(&r, &next_in);
-    CHECK(r.failed);
-    w.data[8] = 16;
-    r = bytes_reader_of(w.data, w.length);
-    message_get_next(&r, &next_in);
-    CHECK(r.failed);
-    bytes_free(&w);
-}
-
 TEST(the_small_messages)
 {
     struct bytes_writer w = {0};
@@ -473,6 +453,6 @@ TEST(a_profile)
 }
 
 TEST_MAIN(CASE(sizes), CASE(a_parcel_round_trip), CASE(invalid_elements), CASE(invalid_pairs),
-          CASE(the_end_of_a_run_in_next), CASE(a_deck_message_round_trip), CASE(an_assign_message_round_trip),
+          CASE(a_deck_message_round_trip), CASE(an_assign_message_round_trip),
           CASE(a_ready_message_round_trip), CASE(the_small_messages), CASE(a_state_is_compiled_from_parts),
           CASE(a_state_with_an_invalid_element), CASE(a_profile))

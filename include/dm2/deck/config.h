@@ -277,7 +277,8 @@ struct config {
     enum balance_kind balance;
     double dt;      /* us */
     char *dt_place; /* place of `dt` in the deck, for config_fail; NULL: unknown */
-    int64_t steps;
+    int64_t steps;      /* fewer than deck_steps where a block `stop` has ended the run */
+    int64_t deck_steps; /* as the deck or --steps says */
     int64_t n_start; /* the step with which the run's stage begins, its first one; 0 without a stage before */
     double t_start;  /* time of that step, us */
     double
