@@ -257,30 +257,16 @@ static void get_cracks(struct bytes_reader *r, struct crack_part *c)
 static void put_loads(struct bytes_writer *w, const struct load_totals *loads, size_t n)
 {
     bytes_put_u8(w, (uint8_t)n);
-    for (size_t i = 0; i < n; i++) {
-        const struct exact_sum *sums[4] = {&loads[i].force[0], &loads[i].force[1], &loads[i].speed[0],
-                                           &loads[i].speed[1]};
-        for (int k = 0; k < 4; k++) {
-            bytes_put_i64(w, sums[k]->hi);
-            bytes_put_u64(w, sums[k]->lo);
-        }
-        bytes_put_u32(w, loads[i].contacts);
-    }
+    for (size_t i = 0; i < n; i++)
+        wire_put_load(w, &loads[i]);
 }
 
 static size_t get_loads(struct bytes_reader *r, struct load_totals *loads)
 {
     size_t n = bytes_get_u8(r);
     require(r, n > 0 && n <= FORCED_MAX);
-    for (size_t i = 0; i < n && !r->failed; i++) {
-        struct exact_sum *sums[4] = {&loads[i].force[0], &loads[i].force[1], &loads[i].speed[0],
-                                     &loads[i].speed[1]};
-        for (int k = 0; k < 4; k++) {
-            sums[k]->hi = bytes_get_i64(r);
-            sums[k]->lo = bytes_get_u64(r);
-        }
-        loads[i].contacts = bytes_get_u32(r);
-    }
+    for (size_t i = 0; i < n && !r->failed; i++)
+        wire_get_load(r, &loads[i]);
     return r->failed ? 0 : n;
 }
 

@@ -159,6 +159,20 @@ static void get_sum(struct bytes_reader *r, struct exact_sum *s)
     s->lo = bytes_get_u64(r);
 }
 
+void wire_put_load(struct bytes_writer *w, const struct load_totals *t)
+{
+    for (int k = 0; k < 4; k++)
+        put_sum(w, k < 2 ? &t->force[k] : &t->speed[k - 2]);
+    bytes_put_u32(w, t->contacts);
+}
+
+void wire_get_load(struct bytes_reader *r, struct load_totals *t)
+{
+    for (int k = 0; k < 4; k++)
+        get_sum(r, k < 2 ? &t->force[k] : &t->speed[k - 2]);
+    t->contacts = bytes_get_u32(r);
+}
+
 void wire_put_overlap(struct bytes_writer *w, const struct overlap *o)
 {
     bytes_put_u64(w, o->pairs);

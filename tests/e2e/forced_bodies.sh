@@ -1,5 +1,5 @@
-# A platen under a stress, another body under a force: the same bytes for any number of servers, from a restart, and
-# after the loss of a server; what is said of masses, of a body that meets nothing.
+# A platen under a stress, another body under a force: the same bytes for any number of servers, from a
+# restart, after the loss of a server; what is said of masses, of a body that meets nothing.
 # labels: e2e bits
 . "$DM2_SRC/tests/lib.sh"
 
@@ -48,7 +48,8 @@ one=$SERVER_ADDR
 start_server
 two=$SERVER_ADDR two_pid=$SERVER_PID
 mkfifo hashes
-"$DM2_BIN/dm2-client" deck.dm2 --reconnect 0.1 --server "$one" --server "$two" -o lost --hash-every 1 --copy-every 25 >hashes 2>err </dev/null &
+"$DM2_BIN/dm2-client" deck.dm2 --reconnect 0.1 --server "$one" --server "$two" -o lost --hash-every 1 \
+    --copy-every 25 >hashes 2>err </dev/null &
 client_pid=$!
 exec 4<hashes
 count=0
@@ -72,8 +73,8 @@ sed 's/max_velocity = 0.003/max_velocity = 0.003; mass = 0.001 g/' deck.dm2 >lig
 expect_status 2 "$DM2_BIN/dm2-seq" lightest.dm2 --check
 expect_text err "load 'press': mass = 0.001 g gives omega dt = 0."
 expect_text err 'give at least 0.00'
-sed 's/let load = .*/let load = 0.0005 Mbar/; s/max_velocity = 0.003/max_velocity = 0.5/; s/steps = 600/steps = 4000/' \
-    deck.dm2 >away.dm2
+sed -e 's/let load = .*/let load = 0.0005 Mbar/; s/max_velocity = 0.003/max_velocity = 0.5/' \
+    -e 's/steps = 600/steps = 4000/' deck.dm2 >away.dm2
 expect_status 1 "$DM2_BIN/dm2-seq" away.dm2 -o away1
 expect_text err "load 'press' has moved 'lid' by 0.2"
 expect_text err "further beyond the domain than the domain is long"

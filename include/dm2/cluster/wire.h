@@ -11,6 +11,7 @@
 
 #include "dm2/base/bytes.h"
 #include "dm2/engine/element.h"
+#include "dm2/engine/load_totals.h"
 #include "dm2/engine/measures.h"
 #include "dm2/engine/record.h"
 #include "dm2/engine/subdomain.h"
@@ -44,6 +45,10 @@ void wire_get_pair(struct bytes_reader *r, const struct record_limits *limits, s
 
 void wire_put_force(struct bytes_writer *w, const struct pair_measure *f);
 void wire_get_force(struct bytes_reader *r, struct pair_measure *out);
+/* The totals of a body under force. */
+void wire_put_load(struct bytes_writer *w, const struct load_totals *t);
+void wire_get_load(struct bytes_reader *r, struct load_totals *t);
+
 /* A broken link. elements: of the whole run, more than any id. */
 void wire_put_crack(struct bytes_writer *w, const struct crack *c);
 void wire_get_crack(struct bytes_reader *r, uint64_t elements, struct crack *out);
