@@ -2,6 +2,7 @@
  * bodies, the same bits on any number of ranks, and what the model refuses. */
 #include <math.h>
 
+#include "dm2/cluster/messages.h"
 #include "engine/loading_parts.h"
 #include "check.h"
 #include "engine_help.h"
@@ -206,6 +207,55 @@ TEST(body_that_meets_nothing)
     engine_stop(&g);
 }
 
+/* --- messages --- */
+
+/* STEP and NEXT carry 1 + 68 n bytes more, and refuse no totals, too many, and totals that are cut. */
+TEST(totals_in_messages)
+{
+    struct bytes_writer w = {0}, bare = {0};
+    struct step_message step = {.step = 3, .n_loads = 2}, step_in = {.step = 0};
+    struct next_message next = {.step = 3, .n_loads = 2}, next_in = {.step = 0};
+    for (int i = 0; i < 2; i++) {
+        step.loads[i] =
+            (struct load_totals){.force = {{-1, 2}, {3, 4}}, .speed = {{5, 6}, {-7, 8}}, .contacts = 9};
+        step.loads[i].force[0].hi -= i;
+        next.loads[i] = step.loads[i];
+    }
+    message_put_step(&bare, &(struct step_message){.step = 3});
+    message_put_step(&w, &step);
+    CHECK_EQ_INT(w.length, bare.length + 1 + 2 * 68);
+    struct bytes_reader r = bytes_reader_of(w.data, w.length);
+    message_get_step(&r, &step_in);
+    CHECK(bytes_done(&r) && step_in.n_loads == 2);
+    CHECK(memcmp(step_in.loads, step.loads, 2 * sizeof *step.loads) == 0);
+    for (size_t cut = 0; cut < w.length; cut++) {
+        r = bytes_reader_of(w.data, cut);
+        message_get_step(&r, &step_in);
+        CHECK(r.failed);
+    }
+    size_t at = w.length - 4 - 2 * 68 - 1;
+    for (int n = 0; n <= FORCED_MAX + 1; n += FORCED_MAX + 1) {
+        w.data[at] = (unsigned char)n;
+        r = bytes_reader_of(w.data, w.length);
+        message_get_step(&r, &step_in);
+        CHECK(r.failed);
+    }
+    bytes_clear(&w);
+    message_put_next(&w, &next);
+    r = bytes_reader_of(w.data, w.length);
+    message_get_next(&r, &next_in);
+    CHECK(bytes_done(&r) && next_in.n_loads == 2);
+    CHECK(memcmp(next_in.loads, next.loads, 2 * sizeof *next.loads) == 0);
+    next.redo = true;
+    bytes_clear(&w);
+    message_put_next(&w, &next);
+    r = bytes_reader_of(w.data, w.length);
+    message_get_next(&r, &next_in);
+    CHECK(r.failed);
+    bytes_free(&w);
+    bytes_free(&bare);
+}
+
 /* --- refusals --- */
 
 /* The model refuses the bodies of `alone` with these interactions and this load, which is at line 14. */
@@ -238,4 +288,4 @@ TEST(loads_that_cannot_act)
 
 TEST_MAIN(CASE(platen_reaches_its_stress), CASE(same_bits_on_all_ranks), CASE(constant_force_and_weight),
           CASE(body_rests_on_the_floor), CASE(stress_between_two_bodies), CASE(body_that_meets_nothing),
-          CASE(loads_that_cannot_act))
+          CASE(totals_in_messages), CASE(loads_that_cannot_act))
