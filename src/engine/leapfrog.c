@@ -407,9 +407,12 @@ DM2_WIDE static double kick_and_drift_damped(const struct model *m, const struct
     return kick_and_drift(m, p, dt_kick, limit2, m->has_near, true, NULL, bad);
 }
 
-static double kick_and_drift_driven(const struct model *m, const struct particles *p, double dt_kick,
-                                    double limit2, size_t *bad)
+/* Most decks with drives have near pairs alone and no damping. */
+DM2_WIDE static double kick_and_drift_driven(const struct model *m, const struct particles *p, double dt_kick,
+                                             double limit2, size_t *bad)
 {
+    if (m->has_near && !m->has_damping)
+        return kick_and_drift(m, p, dt_kick, limit2, true, false, p->drives, bad);
     return kick_and_drift(m, p, dt_kick, limit2, m->has_near, m->has_damping, p->drives, bad);
 }
 
