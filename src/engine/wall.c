@@ -376,7 +376,7 @@ static enum dm2_status evaluate_entry(const struct wall_pass *a, size_t i, const
     wall_meet(a->m, w, pose, p, i, &row[k], &at);
     if (at.sign == 0 && row[k].sign == 0)
         return DM2_OK;
-    const bool held = (p->flags[i] & ELEMENT_FIXED_MOTION) != 0;
+    const bool held = (p->flags[i] & (ELEMENT_FIXED_MOTION | ELEMENT_FORCED)) == ELEMENT_FIXED_MOTION;
     double v_wall[2], dt = a->m->config->dt;
     find_velocity(pose, at.lever, false, v_wall);
     double ux = p->v[2 * i] - v_wall[0], uy = p->v[2 * i + 1] - v_wall[1],
