@@ -114,7 +114,6 @@ void kinds_build_reaction(struct model *m)
                                           .reactant = {r->reactant[0], r->reactant[1]},
                                           .product = r->product,
                                           .stoichiometric = r->kind == REACTION_STOICHIOMETRIC,
-                                          .share = {0.5, 0.5},
                                           .k0 = r->k0,
                                           .theta = r->ea / gas_constant,
                                           .heat = r->heat,

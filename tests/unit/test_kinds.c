@@ -1,0 +1,139 @@
+/* Kinds of elements: sizes, phases that form from phases, hysteresis, the product of a reaction, and the
+ * energy that a change of kind moves in a pair that only stood near. */
+#include "thermo_help.h"
+
+#include "engine/phase.h"
+#include "engine/tables.h"
+
+#define FRAME "domain { size = 1 1; r_c = 0.1; delta_r = 0.01 }\ntime { dt = 1e-6; steps = 9 }\n"
+
+/* A reactant grows in a phase of its own, and then shrinks in a phase of the product. */
+TEST(growth_goes_on_in_the_product)
+{
+    struct engine g;
+    engine_load(&g,
+                FRAME "material A { rho0 = 4; c0 = 0.4; s = 2; cp = 1e-5 }\n"
+                      "material B { rho0 = 4; c0 = 0.4; s = 2; cp = 1e-5 }\n"
+                      "material C { rho0 = 4; c0 = 0.4; s = 2; cp = 1e-5 }\n"
+                      "phase A wide { transition = pressure; p_line = 1; t_line = 300; rho0 = 4/1.21 }\n"
+                      "phase C dense { transition = pressure; p_line = 1; t_line = 300; rho0 = 4/0.81 }\n"
+                      "reaction r { reactants = A B; product = C; kind = non-stoichiometric; k0 = 1; ea = 0; "
+                      "heat = 1e-3 }\n"
+                      "body b { shape = rectangle 0 0 0.5 1; spacing = 0.04; mix = A 0.5 B 0.5 }\n",
+                NULL, 1);
+    CHECK_NEAR_REL(g.model->growth, 1.1 / 0.9, 1e-14);
+    CHECK_NEAR_REL(g.model->radius_max, 0.022, 1e-14);
+    engine_stop(&g);
+}
+
+/* A large disc may touch many small ones; with radii up to 1.5 of the least eight at most. */
+TEST(a_pair_s_part_of_the_reactants)
+{
+    static const double radius[] = {1.49, 1.51};
+    for (int k = 0; k < 2; k++) {
+        char text[1200];
+        struct engine g;
+        (void)snprintf(text, sizeof text,
+                       FRAME "material A { rho0 = 4; c0 = 0.4; s = 2; cp = 1e-5 }\n"
+                             "material B { rho0 = 4; c0 = 0.4; s = 2; cp = 1e-5 }\n"
+                             "material C { rho0 = 4; c0 = 0.4; s = 2; cp = 1e-5 }\n"
+                             "reaction r { reactants = A B; product = C; kind = non-stoichiometric; k0 = 1; "
+                             "ea = 0; heat = 1e-3 "
+                             "}\n"
+                             "body a { shape = rectangle 0 0 0.3 1; spacing = 0.04; material = A }\n"
+                             "body b { shape = rectangle 0.3 0 0.6 1; spacing = 0.0404; material = B }\n"
+                             "body c { shape = rectangle 0.6 0 1 1; spacing = %g*0.04; material = B }\n",
+                       radius[k]);
+        engine_load(&g, text, NULL, 1);
+        CHECK_SAME_BITS(g.model->reaction.limit, k == 0 ? 1.0 / 8.0 : 1.0 / 64.0);
+        engine_stop(&g);
+    }
+}
+
+#define PHASES                                                                                               \
+    FRAME                                                                                                    \
+    "material A { rho0 = 4; c0 = 0.4; s = 2; cp = 1e-5 }\n"                                                  \
+    "phase A one { transition = temperature; t_line = 500; latent = 1e-3; cp = 1.01e-5; p_line = 0.2; "      \
+    "dt_dp = "                                                                                               \
+    "100 }\n"                                                                                                \
+    "phase A two { from = one; transition = temperature; t_line = 700; latent = -2e-3; cp = 1.01e-5 }\n"     \
+    "phase A three { from = two; transition = pressure; p_line = 0.5; t_line = 800; dp_dt = 1e-3\n"          \
+    "                hysteresis_p = 0.1; latent = 4e-3; cp = 2e-5; reversible = no }\n"                      \
+    "body b { shape = rectangle 0 0 0.5 1; spacing = 0.04; material = A }\n"
+
+TEST(phases_form_from_phases)
+{
+    struct engine g;
+    engine_load(&g, PHASES, NULL, 1);
+    const struct kind *k = g.model->kinds;
+    for (size_t i = 1; i < 4; i++)
+        CHECK_EQ_INT(k[i].from, i - 1);
+    CHECK_NEAR_REL(k[1].energy, 1e-3 - 1e-7 * 200.0, 1e-13);
+    CHECK_NEAR_REL(k[2].energy, k[1].energy - 2e-3, 1e-13);
+    CHECK_NEAR_REL(k[3].energy, k[2].energy + 4e-3 - 0.99e-5 * 500.0, 1e-13);
+    CHECK_NEAR_REL(k[1].hysteresis, 1.1 * 1e-3 / 1e-5, 1e-13); /* the lesser of the two heat capacities */
+    CHECK_NEAR(k[2].hysteresis, 0.0, 0.0);                     /* forming it sets heat free */
+    CHECK_SAME_BITS(k[3].hysteresis, 0.1);
+    engine_stop(&g);
+}
+
+/* Lines with their slopes, and the way back at the hysteresis below them, in pressure and in temperature. */
+TEST(lines_and_ways_back)
+{
+    struct engine g;
+    engine_load(&g, PHASES, NULL, 1);
+    const struct model *m = g.model;
+    /* T > 500 + 100 (p - 0.2), and back below the line less 110 K. */
+    CHECK_EQ_INT(phase_of(m, 0, 0.2, 500.5), 1);
+    CHECK_EQ_INT(phase_of(m, 0, 0.2, 499.5), 0);
+    CHECK_EQ_INT(phase_of(m, 0, 0.5, 530.5), 1);
+    CHECK_EQ_INT(phase_of(m, 0, 0.5, 529.5), 0);
+    CHECK_EQ_INT(phase_of(m, 1, 0.5, 420.5), 1);
+    CHECK_EQ_INT(phase_of(m, 1, 0.5, 419.5), 0);
+    /* T > 700, and back below. */
+    CHECK_EQ_INT(phase_of(m, 1, 0.0, 700.5), 2);
+    CHECK_EQ_INT(phase_of(m, 2, 0.0, 699.5), 1);
+    CHECK_EQ_INT(phase_of(m, 2, 0.0, 700.5), 2);
+    /* p > 0.5 + 1e-3 (T - 800), and no way back. */
+    CHECK_EQ_INT(phase_of(m, 2, 0.605, 900.0), 3);
+    CHECK_EQ_INT(phase_of(m, 2, 0.595, 900.0), 2);
+    CHECK_EQ_INT(phase_of(m, 3, -5.0, 900.0), 3);
+    engine_stop(&g);
+}
+
+/* Two elements that are not linked stand 1 % apart, and one becomes denser: no bond holds any energy. Where
+ * they are pressed by 1 %, the contact's energy goes to the two accounts, half each. */
+TEST(a_change_of_phase_beside_an_element)
+{
+    static const double apart[] = {1.01, 0.99};
+    for (int k = 0; k < 2; k++) {
+        char text[1200];
+        struct engine g;
+        (void)snprintf(
+            text, sizeof text,
+            FRAME "material A { rho0 = 4; c0 = 0.4; s = 2 }\n"
+                  "phase A dense { transition = pressure; p_line = 9; t_line = 300; rho0 = 4/0.81 }\n"
+                  "interaction { k = 3; potential = quadratic }\n"
+                  "body a { shape = disc 0.5 0.5 0.001; spacing = 0.04; origin = 0.5 0.5; material = A }\n"
+                  "body b { shape = disc 0.5 + %g*0.04 0.5 0.001; spacing = 0.04; origin = 0.5 + %g*0.04 "
+                  "0.5; material = A }\n",
+            apart[k], apart[k]);
+        engine_start(&g, text, NULL, 1);
+        struct engine_state s = engine_collect(&g, false);
+        CHECK_EQ_INT(s.n, 2);
+        s.e[1].kind = 1;
+        s.e[1].radius *= 0.9;
+        engine_restore(&g, 3, &s);
+        engine_state_free(&s);
+        engine_must(&g, engine_forces(&g, false));
+        s = engine_collect(&g, false);
+        double held = k == 0 ? 0.0 : 0.5 * 3.0 * (0.01 * 0.04) * (0.01 * 0.04);
+        for (int i = 0; i < 2; i++)
+            CHECK_NEAR(s.e[i].moved, 0.5 * held, 1e-10 * held);
+        engine_state_free(&s);
+        engine_stop(&g);
+    }
+}
+
+TEST_MAIN(CASE(growth_goes_on_in_the_product), CASE(a_pair_s_part_of_the_reactants),
+          CASE(phases_form_from_phases), CASE(lines_and_ways_back), CASE(a_change_of_phase_beside_an_element))
