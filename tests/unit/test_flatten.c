@@ -85,7 +85,7 @@ TEST(options_stand_in_their_places)
 
 TEST(tables_stand_as_points)
 {
-    static char main_text[] =
+    static char loaded_text[] =
         "domain { size = 3 cm, 1 cm; r_c = 0.25 cm; delta_r = 0.02 cm }\n"
         "time { dt = 0.02 us; steps = 4 }\n"
         "material M { rho0 = 8 g/cm3; c0 = 4 km/s; s = 1.5 }\n"
@@ -94,7 +94,7 @@ TEST(tables_stand_as_points)
     static char table[] = "time [ns],velocity_y [m/s],velocity_x [cm/us]\n"
                           "0.1,-0.3,1\n0.2,7,2\n0.3,7,3\n0.4,7,4\n0.5,7,5\n0.6,7,6\n0.7,7,7\n"
                           "0.8,7,8\n0.9,1e-3,9\n";
-    struct deck_text both[] = {{(char *)"main", main_text, sizeof main_text - 1},
+    struct deck_text both[] = {{(char *)"main", loaded_text, sizeof loaded_text - 1},
                                {(char *)"gauge.csv", table, sizeof table - 1}};
     const struct deck_source source = {both, 2, NULL, 0, -1};
     struct config config;
