@@ -41,7 +41,7 @@ static void limit_by_law(struct model *m, double mass, double m_eff, size_t a, s
 {
     static const char *const modes[2][2] = {{"translation", "damping of the translation"},
                                             {"rotation", "damping of the rotation"}};
-    double kt = law->kt_link > law->kt_contact ? law->kt_link : law->kt_contact, root = sqrt(m_eff);
+    double kt = law->kt_contact, root = sqrt(m_eff); /* kt_link is not larger */
     double omega2[2] = {(6.0 * law->k + 2.0 * kt) / mass, 24.0 * kt / mass};
     double gamma[2] = {(6.0 * law->cn + 2.0 * law->ct) * root / mass, 24.0 * law->ct * root / mass};
     for (int mode = 0; mode < 2; mode++) {
@@ -135,7 +135,7 @@ enum dm2_status model_check_start(const struct model *m, const struct measures *
  * rest: omega^2 = n (kn/2 + kt/6)/m. */
 static double limit_among(const struct pair_law *law, double n, double m, double m_j)
 {
-    double kt = larger(law->kt_link, law->kt_contact), root = sqrt(m * m_j / (m + m_j)), turn = 4.0 * n / m;
+    double kt = law->kt_contact, root = sqrt(m * m_j / (m + m_j)), turn = 4.0 * n / m;
     double translation =
         mode_limit(0.5 * n * (law->k + kt / 3.0) / m, 0.5 * n * (law->cn + law->ct / 3.0) * root / m);
     double rotation = mode_limit(turn * kt, turn * law->ct * root);

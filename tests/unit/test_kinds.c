@@ -2,6 +2,7 @@
  * energy that a change of kind moves in a pair that only stood near. */
 #include "thermo_help.h"
 
+#include "engine/kinds.h"
 #include "engine/phase.h"
 #include "engine/tables.h"
 
@@ -11,6 +12,28 @@
 TEST(growth_goes_on_in_the_product)
 {
     struct engine g;
+    engine_load(&g,
+                FRAME
+                "material A { rho0 = 4; c0 = 0.4; s = 2; cp = 1e-5 }\n"
+                "material B { rho0 = 4; c0 = 0.4; s = 2; cp = 1e-5 }\n"
+                "material C { rho0 = 4; c0 = 0.4; s = 2; cp = 1e-5 }\n"
+                "phase A dense { transition = pressure; p_line = 1; t_line = 300; rho0 = 4/0.81 }\n"
+                "phase C wide { transition = pressure; p_line = 1; t_line = 300; rho0 = 4/1.21 }\n"
+                "reaction r { reactants = A B; product = C; masses = 1 3; k0 = 1; ea = 2 kJ/mol; heat = 1e-3 "
+                "}\nbody b { shape = rectangle 0 0 0.5 1; spacing = 0.04; mix = A 0.5 B 0.5 }\n",
+                NULL, 1);
+    CHECK_NEAR_REL(g.model->growth, 1.1 / 0.9, 1e-14);
+    CHECK_NEAR_REL(g.model->radius_max, 0.022, 1e-14);
+    const struct reaction_table *x = &g.model->reaction;
+    CHECK(g.model->has_kinds && x->stoichiometric);
+    CHECK_SAME_BITS(x->share[0], 0.25);
+    CHECK_SAME_BITS(x->share[1], 0.75);
+    CHECK_NEAR_REL(x->theta, 2000.0 / 8.31446261815324, 1e-12);
+    for (size_t kind = 0; kind < 5; kind++) /* A, B, C, dense A, wide C */
+        for (int of = 0; of < 3; of++)
+            CHECK_EQ_INT(kind_may_become(g.model, of, kind),
+                         kind == 2 || kind == 4 || (int)kind == of || (kind == 3 && of == 0));
+    engine_stop(&g);
     engine_load(&g,
                 FRAME "material A { rho0 = 4; c0 = 0.4; s = 2; cp = 1e-5 }\n"
                       "material B { rho0 = 4; c0 = 0.4; s = 2; cp = 1e-5 }\n"
