@@ -4,6 +4,7 @@
 
 #include "engine/kinds.h"
 #include "engine/phase.h"
+#include "engine/reaction.h"
 #include "engine/tables.h"
 
 #define FRAME "domain { size = 1 1; r_c = 0.1; delta_r = 0.01 }\ntime { dt = 1e-6; steps = 9 }\n"
@@ -71,6 +72,42 @@ TEST(a_pair_s_part_of_the_reactants)
         CHECK_SAME_BITS(g.model->reaction.limit, k == 0 ? 1.0 / 8.0 : 1.0 / 64.0);
         engine_stop(&g);
     }
+}
+
+/* The rate by its equation, at any temperature, and its bound: the least part of either reactant. */
+TEST(rates_and_their_bound)
+{
+    struct reaction_table x = {.any = true, .share = {0.25, 0.75}, .k0 = 3.0, .theta = 500.0, .limit = 0.125};
+    const struct reaction_side a = {0.02, 0.5}, b = {0.03, 0.8};
+    double got[2];
+    for (int kind = 0; kind < 2; kind++) {
+        double part = kind == 0 ? 0.01 / 0.034 : 0.25, rate = 3.0 * exp(-1.25) * 0.4 * 0.05;
+        x.stoichiometric = kind == 1;
+        reaction_rate(&x, a, b, 400.0, 0.05, 1e-3, got);
+        CHECK_NEAR_REL(got[0], rate * 1e-3 * part, 1e-13);
+        CHECK_NEAR_REL(got[1], rate * 1e-3 * (1.0 - part), 1e-13);
+        /* The part of A, or of B, is a hundredth beyond what a pair may take. */
+        for (int which = 0; which < 2; which++) {
+            double most = 0.125 * (which == 0 ? 0.01 : 0.024), share = which == 0 ? part : 1.0 - part;
+            reaction_rate(&x, a, b, 400.0, 0.05, 1.01 * most / (rate * share), got);
+            double shorter = kind == 0 ? 1.0 : which == 0 ? 0.125 * 0.024 / (1.01 * most * 3.0) : 1.0;
+            double less = fmin(1.0 / 1.01, shorter);
+            CHECK_NEAR_REL(got[which], 1.01 * most * less, 1e-12);
+            CHECK_NEAR_REL(got[1 - which], 1.01 * most * less * (1.0 - share) / share, 1e-12);
+        }
+    }
+    x.theta = 0.0;
+    reaction_rate(&x, a, b, 5e-4, 0.05, 1e-3, got);
+    CHECK_NEAR_REL(got[0] + got[1], 3.0 * 0.4 * 0.05 * 1e-3, 1e-13);
+    for (int none = 0; none < 3; none++) {
+        const struct reaction_side empty = {0.02, 0.0};
+        reaction_rate(&x, none == 0 ? empty : a, none == 1 ? empty : b, none == 2 ? 0.0 : 300.0, 0.05, 1e-3,
+                      got);
+        CHECK(got[0] == 0.0 && got[1] == 0.0);
+    }
+    const struct reaction_side little = {1e-3, 1e-4};
+    reaction_rate(&x, little, little, 300.0, 0.05, 1e-12, got);
+    CHECK_NEAR_REL(got[0], 0.25 * 3.0 * 1e-8 * 0.05 * 1e-12, 1e-13);
 }
 
 #define PHASES                                                                                               \
@@ -193,4 +230,5 @@ TEST(a_change_of_phase_beside_an_element)
 }
 
 TEST_MAIN(CASE(growth_goes_on_in_the_product), CASE(a_pair_s_part_of_the_reactants),
-          CASE(phases_form_from_phases), CASE(lines_and_ways_back), CASE(a_change_of_phase_beside_an_element))
+          CASE(rates_and_their_bound), CASE(phases_form_from_phases), CASE(lines_and_ways_back),
+          CASE(a_change_of_phase_beside_an_element))

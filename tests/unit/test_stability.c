@@ -226,12 +226,12 @@ TEST(walls_do_not_give_way)
                        "body b { shape = rectangle 0 0.1 0.5 1; spacing = 0.04; material = A }\n"
                        "body f { shape = disc 0.8 0.8 0.01; spacing = 0.04; origin = 0.8 0.8; material = W\n"
                        "         motion = fixed }\nwall w { line = 0 0.05, 1 0.05; material = W }\n"
-                       "interaction { k = 1e-3; shape = 3 }\ninteraction A W { k = 1; zeta = %g\n"
+                       "interaction { k = 1e-3; shape = 3 }\ninteraction A W { k = 1.21; zeta = %g\n"
                        "    ct_ratio = %%g; kt_ratio = %%g }\n",
                        zeta[k]);
         load(&g, text, ct[k], kt[k]);
-        double along = mode_step((3.0 + kt[k]) / m, (3.0 * 2.0 * zeta[k] + 2.0 * ct[k]) * root / m),
-               about = mode_step(12.0 * kt[k] / m, 12.0 * 2.0 * ct[k] * root / m);
+        double along = mode_step(1.21 * (3.0 + kt[k]) / m, 2.2 * (3.0 * zeta[k] + ct[k]) * root / m),
+               about = mode_step(1.21 * 12.0 * kt[k] / m, 12.0 * 2.2 * ct[k] * root / m);
         CHECK_STR(g.model->dt_mode,
                   k == 0 ? "damping against a wall" : "damping of the rotation against a wall");
         CHECK_NEAR_REL(g.model->dt_stable, k == 0 ? along : about, 1e-13);
