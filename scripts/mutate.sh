@@ -17,7 +17,7 @@
 set -u
 
 list=0 every=1 skip=0 seconds=3600
-tests='constants stability kinds mixtures pair_law restitution law strain stiffness walls mechanics lattice reaction thermo'
+tests='constants laws stability kinds mixtures pair_law restitution law strain stiffness walls mechanics lattice reaction thermo'
 while getopts le:s:t:T: option; do
     case $option in
     l) list=1 ;;

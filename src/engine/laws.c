@@ -81,7 +81,7 @@ static enum dm2_status build_law(const struct model *m, size_t ia, size_t ib, en
     law->kt_contact = in.mu > 0.0 && law->kt_link < 2.0 / 7.0 * law->k && isnan(in.kt_ratio)
                           ? 2.0 / 7.0 * law->k
                           : law->kt_link;
-    law->tangential = law->kt_link > 0.0 || law->kt_contact > 0.0 || law->ct > 0.0;
+    law->tangential = law->kt_contact > 0.0 || law->ct > 0.0; /* kt_link is not larger */
     law->yield_i = kind_given(in.yield, kind_given(a->yield, INFINITY));
     law->yield_j = kind_given(in.yield, kind_given(b->yield, INFINITY));
     law->tensile_i = kind_given(in.tensile, kind_given(a->tensile, INFINITY));

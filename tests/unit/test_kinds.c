@@ -69,6 +69,7 @@ TEST(a_pair_s_part_of_the_reactants)
                              "body c { shape = rectangle 0.6 0 1 1; spacing = %g*0.04; material = B }\n",
                        radius[k]);
         engine_load(&g, text, NULL, 1);
+        CHECK(g.model->has_kinds && !g.model->has_phases);
         CHECK_SAME_BITS(g.model->reaction.limit, k == 0 ? 1.0 / 8.0 : 1.0 / 64.0);
         engine_stop(&g);
     }
