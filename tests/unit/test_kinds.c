@@ -230,6 +230,79 @@ TEST(a_change_of_phase_beside_an_element)
     }
 }
 
+/* --- slots --- */
+
+TEST(strength_softens_towards_melting)
+{
+    struct kind k = {.t0 = 300.0, .tm = 1300.0, .softening = 1.0, .over_range = 1e-3};
+    CHECK_SAME_BITS(particles_softening(&k, 299.0), 1.0);
+    CHECK_NEAR(particles_softening(&k, 303.0), 0.997, 1e-15);
+    CHECK_NEAR(particles_softening(&k, 1290.0), 0.01, 1e-15);
+    CHECK_SAME_BITS(particles_softening(&k, 1300.0), 0.0);
+    CHECK_SAME_BITS(particles_softening(&k, 1310.0), 0.0);
+    k.softening = 1.02;
+    CHECK_NEAR(particles_softening(&k, 800.0), 1.0 - pow(0.5, 1.02), 1e-15);
+    k.softening = 2.0;
+    CHECK_NEAR(particles_softening(&k, 800.0), 0.75, 1e-15);
+    k.tm = INFINITY;
+    CHECK_SAME_BITS(particles_softening(&k, 1e6), 1.0);
+}
+
+TEST(slots_hold_their_values)
+{
+    double r[] = {0.25, 0.5, 0.75, 1.0}, temperature[] = {0.0, 0.0}, soft[2], heat[] = {4e-6, -2e-6},
+           share[4] = {0};
+    int32_t image[] = {0, 0, -3, 5};
+    uint16_t kind[] = {0, 1}, body[] = {0, 1};
+    int64_t virial[2 * VIRIAL_COUNT] = {0};
+    struct kind kinds[2] = {{.t0 = 200.0, .tm = 1200.0, .softening = 1.0, .over_range = 1e-3, .over_cp = 1e5},
+                            {.t0 = 300.0, .tm = INFINITY, .softening = 1.0, .over_cp = 2e5}};
+    const struct model m = {.kinds = kinds, .n_kinds = 2, .grid = {.size = {2.0, 4.0}}};
+    struct particles p = {.n = 2,
+                          .r = r,
+                          .heat = heat,
+                          .soft = soft,
+                          .share = share,
+                          .kind = kind,
+                          .body = body,
+                          .virial = virial};
+    CHECK_SAME_BITS(particles_temperature(&p, &m, 1), 300.0); /* no array of temperatures */
+    particles_warm(&p, &m, 0, 500.0);
+    p.temperature = temperature;
+    particles_warm(&p, &m, 0, 500.0);
+    particles_warm(&p, &m, 1, 250.0);
+    CHECK_NEAR_REL(particles_temperature(&p, &m, 0), 200.0 + 200.0, 1e-14);
+    CHECK_NEAR_REL(particles_temperature(&p, &m, 1), 300.0 - 100.0, 1e-14);
+    CHECK_NEAR_REL(soft[0], 0.8, 1e-14);
+    CHECK_SAME_BITS(soft[1], 1.0);
+    virial[VIRIAL_COUNT + VIRIAL_TALLY] = 7 * TALLY_PAIR + 5 * TALLY_LINK + 3 * TALLY_CONTACT;
+    CHECK_EQ_INT(particles_links(&p, 1), 5);
+    CHECK_EQ_INT(particles_contacts(&p, 1), 3);
+    CHECK_EQ_INT(particles_links(&p, 0), 0);
+    CHECK_SAME_BITS(particles_unwrapped(&p, &m, 1, 0), 0.75);
+    p.image = image;
+    CHECK_SAME_BITS(particles_unwrapped(&p, &m, 0, 1), 0.5);
+    CHECK_SAME_BITS(particles_unwrapped(&p, &m, 1, 0), 0.75 - 6.0);
+    CHECK_SAME_BITS(particles_unwrapped(&p, &m, 1, 1), 1.0 + 20.0);
+}
+
+/* Free, held and forced elements in one body or two: whether no force acts, and whether a side is held. */
+TEST(walls_and_what_is_held)
+{
+    static const uint8_t all[] = {0, ELEMENT_FIXED_MOTION, ELEMENT_FIXED_MOTION | ELEMENT_FORCED};
+    for (int k = 0; k < 18; k++) {
+        uint8_t flags[2] = {all[k % 3], all[k / 3 % 3]};
+        uint16_t body[2] = {4, k < 9 ? 4 : 5};
+        const struct particles p = {.n = 2, .flags = flags, .body = body};
+        bool fixed[2] = {k % 3 == 1, k / 3 % 3 == 1}, forced[2] = {k % 3 == 2, k / 3 % 3 == 2};
+        CHECK_EQ_INT(particles_walls(&p, 0, 1), k >= 9 && fixed[0] && fixed[1]);
+        for (int i = 0; i < 2; i++) /* a body under force meets what no force moves with its own mass */
+            CHECK_EQ_INT(particles_held(&p, (size_t)i, (size_t)(1 - i)),
+                         fixed[i] || (forced[i] && !fixed[1 - i]));
+    }
+}
+
 TEST_MAIN(CASE(growth_goes_on_in_the_product), CASE(a_pair_s_part_of_the_reactants),
           CASE(rates_and_their_bound), CASE(phases_form_from_phases), CASE(lines_and_ways_back),
-          CASE(a_change_of_phase_beside_an_element))
+          CASE(a_change_of_phase_beside_an_element), CASE(strength_softens_towards_melting),
+          CASE(slots_hold_their_values), CASE(walls_and_what_is_held))
