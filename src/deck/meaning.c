@@ -194,7 +194,7 @@ static bool put_value(struct writer *w, const struct deck_key *key, const void *
     case VALUE_MATERIALS:
         for (int k = 0; k < key->count; k++)
             (void)put_material(w, ((const int *)at)[k]);
-        return true;
+        return *(const int *)at >= 0;
     case VALUE_NAME:
         return put_word(w, at) && *(const char *)at != '\0';
     case VALUE_BODY: {
