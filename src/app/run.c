@@ -231,7 +231,7 @@ enum dm2_status run_open_results(const struct run_options *o, struct run *run, s
         (void)fprintf(stderr, "%s: warning: %s: %s\n", o->program, results_directory(*out),
                       results_warning(*out));
     if (run->restarted)
-        status = results_go_on(*out, overwrite, run->state_path, run->state.step, &run->config, scales,
+        status = results_go_on(*out, overwrite, run->state_path, &run->state, &run->config, scales,
                                &run->origin, err);
     else
         status = results_begin(*out, overwrite, &run->config, scales, &run->origin, err);

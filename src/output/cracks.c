@@ -1,5 +1,6 @@
-/* The schedule does not determine at which steps links break, so that a missing row cannot be noticed when a
- * run continues; the rows that are there must ascend. */
+/* The schedule does not determine at which steps links break. A run that continues counts the rows instead:
+ * each link of the first row of history.csv is in the state or has a row here. Links that formed later
+ * (`link_form`) may have rows as well. */
 #include "cracks.h"
 
 #include <errno.h>
@@ -56,14 +57,18 @@ static int64_t step_of_row(const unsigned char *line, size_t length)
     return k > 0 && k < length && line[k] == ',' ? step : -1;
 }
 
-/* Sets *keep to the bytes of the heading and of the rows before `step`; 0: there is no such row. A last line
- * without its newline was being written when the run ended, after its last checkpoint. */
+/* The rows before the step of the state: their bytes with the heading, and how many are behind `from`. */
+struct found_rows {
+    size_t keep;
+    int64_t behind;
+};
+
+/* A last line without its newline was being written when the run ended, after its last checkpoint. */
 static enum dm2_status find_rows(const char *path, const unsigned char *text, size_t n, int64_t step,
-                                 size_t *keep, struct dm2_error *err)
+                                 int64_t from, struct found_rows *out, struct dm2_error *err)
 {
     size_t head = sizeof heading - 1, at = head;
     int64_t last = 0;
-    *keep = 0;
     if (n < head || memcmp(text, heading, head) != 0)
         return dm2_fail(err, DM2_PROTOCOL,
                         "%s: has another heading: it is not the table that the checkpoint needs", path);
@@ -78,11 +83,57 @@ static enum dm2_status find_rows(const char *path, const unsigned char *text, si
                             path, at, last);
         if (of >= step)
             break;
+        out->behind += of > from;
         last = of;
         at += length;
     }
-    *keep = at > head ? at : 0;
+    out->keep = at > head ? at : 0;
     return DM2_OK;
+}
+
+static enum dm2_status check_count(const char *path, bool there, int64_t step, const struct crack_count *want,
+                                   int64_t rows, struct dm2_error *err)
+{
+    if (want->from < 0 || rows >= want->rows)
+        return DM2_OK;
+    char has[60] = "is not there";
+    if (there)
+        (void)snprintf(has, sizeof has, "has %" PRId64 " rows of these steps", rows);
+    return dm2_fail(
+        err, DM2_PROTOCOL,
+        "%s: %s, but at least %" PRId64 " links broke after step %" PRId64 " and before step %" PRId64
+        ", as history.csv and the state say: bring the tables of the run directory along with its "
+        "checkpoint",
+        path, has, want->rows, want->from, step);
+}
+
+enum dm2_status cracks_check(const char *source, int64_t step, const struct crack_count *count,
+                             struct crack_rows *out, struct dm2_error *err)
+{
+    size_t n = 0;
+    struct found_rows found = {0};
+    char *from = text_join(source, "/", cracks_table),
+         *part = from == NULL ? NULL : text_join(from, ".part", "");
+    enum dm2_status status = part == NULL ? run_directory_no_memory(err) : DM2_OK;
+    *out = (struct crack_rows){.whole = status == DM2_OK && access(part, F_OK) != 0};
+    out->there = status == DM2_OK && !(out->whole && access(from, F_OK) != 0);
+    const char *path = out->whole ? from : part;
+    if (out->there)
+        status = file_read(path, SIZE_MAX / 4, &out->text, &n, err);
+    if (status == DM2_OK && out->there)
+        status = find_rows(path, out->text, n, step, count->from, &found, err);
+    if (status == DM2_OK)
+        status = check_count(out->there ? path : from, out->there, step, count, found.behind, err);
+    out->keep = found.keep;
+    free(from);
+    free(part);
+    return status;
+}
+
+void cracks_free(struct crack_rows *rows)
+{
+    free(rows->text);
+    *rows = (struct crack_rows){0};
 }
 
 static enum dm2_status remove_table(const char *path, struct dm2_error *err)
@@ -92,47 +143,34 @@ static enum dm2_status remove_table(const char *path, struct dm2_error *err)
     return DM2_OK;
 }
 
-/* Makes `to` hold the first `keep` bytes of `text`, which was read from `from`. */
-static enum dm2_status take_over(const char *from, const char *part, const char *to, bool whole,
-                                 bool in_place, const unsigned char *text, size_t keep, struct file_out *f,
-                                 struct dm2_error *err)
+/* Cuts the table `to` of the run's own directory, whose name until the run ends is `part`. */
+static enum dm2_status cut_table(const struct crack_rows *rows, const char *to, const char *part,
+                                 struct file_out *f, struct dm2_error *err)
 {
-    enum dm2_status status = DM2_OK;
-    if (keep == 0)
-        return in_place ? remove_table(whole ? from : part, err) : DM2_OK;
-    if (in_place && whole)
-        status = file_rename(from, part, err);
-    if (status == DM2_OK && in_place)
-        return file_reopen(f, to, keep, err);
-    if (status == DM2_OK)
-        status = file_create(f, to, err);
-    if (status == DM2_OK) {
-        file_write(f, text, keep);
-        status = file_flush(f, err);
-    }
-    return status;
+    if (rows->keep == 0)
+        return remove_table(rows->whole ? to : part, err);
+    enum dm2_status status = rows->whole ? file_rename(to, part, err) : DM2_OK;
+    return status == DM2_OK ? file_reopen(f, to, rows->keep, err) : status;
 }
 
-enum dm2_status cracks_resume(const char *directory, const char *source, int64_t step, bool in_place,
-                              struct file_out *f, struct dm2_error *err)
+enum dm2_status cracks_take(const struct crack_rows *rows, const char *directory, bool in_place,
+                            struct file_out *f, struct dm2_error *err)
 {
-    unsigned char *text = NULL;
-    size_t n = 0, keep = 0;
-    char *from = text_join(source, "/", cracks_table),
-         *part = from == NULL ? NULL : text_join(from, ".part", "");
-    char *to = text_join(directory, "/", cracks_table);
-    enum dm2_status status = part == NULL || to == NULL ? run_directory_no_memory(err) : DM2_OK;
-    bool whole = status == DM2_OK && access(part, F_OK) != 0;
-    if (status == DM2_OK && !(whole && access(from, F_OK) != 0)) {
-        status = file_read(whole ? from : part, SIZE_MAX / 4, &text, &n, err);
-        if (status == DM2_OK)
-            status = find_rows(whole ? from : part, text, n, step, &keep, err);
-        if (status == DM2_OK)
-            status = take_over(from, part, to, whole, in_place, text, keep, f, err);
+    if (!rows->there || (rows->keep == 0 && !in_place))
+        return DM2_OK;
+    char *to = text_join(directory, "/", cracks_table),
+         *part = to == NULL ? NULL : text_join(to, ".part", "");
+    enum dm2_status status = part == NULL ? run_directory_no_memory(err) : DM2_OK;
+    if (status == DM2_OK && in_place) {
+        status = cut_table(rows, to, part, f, err);
+    } else if (status == DM2_OK) {
+        status = file_create(f, to, err);
+        if (status == DM2_OK) {
+            file_write(f, rows->text, rows->keep);
+            status = file_flush(f, err);
+        }
     }
-    free(text);
-    free(from);
-    free(part);
     free(to);
+    free(part);
     return status;
 }

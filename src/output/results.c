@@ -464,22 +464,34 @@ static enum dm2_status take_over(struct results *r, struct resume *plan, bool ov
     return status == DM2_OK ? resume_take(plan, r->directory, err) : status;
 }
 
-enum dm2_status results_go_on(struct results *r, bool overwrite, const char *state, int64_t step,
+static int64_t count_links(const struct state *s)
+{
+    int64_t n = 0;
+    for (size_t k = 0; k < s->n_pairs; k++)
+        n += s->pairs[k].linked;
+    return n;
+}
+
+enum dm2_status results_go_on(struct results *r, bool overwrite, const char *path, const struct state *state,
                               const struct config *config, struct measure_scales scales,
                               const struct state_origin *origin, struct dm2_error *err)
 {
     struct schedule_book book = {0};
-    char *source = run_directory_of(state);
+    int64_t step = state->step;
+    char *source = run_directory_of(path);
     if (source == NULL)
         return run_directory_no_memory(err);
     start_results(r, config, scales, origin);
-    struct resume plan = {
-        .source = source, .in_place = resume_in_place(r->directory, source), .step = step, .book = &book};
+    struct resume plan = {.source = source,
+                          .in_place = resume_in_place(r->directory, source),
+                          .step = step,
+                          .links = count_links(state),
+                          .book = &book};
     enum dm2_status status = plan.in_place ? run_directory_check(r->directory, err) : DM2_OK;
     if (status == DM2_OK)
         status = read_schedule(r, source, &book, err);
     if (status == DM2_OK)
-        status = take_over(r, &plan, overwrite, state, err);
+        status = take_over(r, &plan, overwrite, path, err);
     if (status == DM2_OK)
         status = resume_series(r->directory, &book, step, &r->series, err);
     if (status == DM2_OK)

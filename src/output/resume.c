@@ -11,12 +11,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "dm2/base/csv.h"
 #include "dm2/base/file.h"
 #include "dm2/base/mem.h"
 #include "dm2/base/number.h"
 #include "dm2/base/text.h"
 #include "dm2/output/run_directory.h"
-#include "cracks.h"
 
 /* --- which rows are kept --- */
 
@@ -134,11 +134,38 @@ static bool has_rows(const struct schedule_book *book, const char *table, int64_
     return false;
 }
 
+/* Sets *count to the rows that cracks.csv has at least beside the kept rows of history.csv: the links of the
+ * first row that are not in the state. */
+static enum dm2_status count_cracks(const struct resume *r, const char *path, const unsigned char *text,
+                                    size_t keep, struct crack_count *count, struct dm2_error *err)
+{
+    size_t head = line_length(text, keep), first = line_length(text + head, keep - head), step, links;
+    struct csv row;
+    double *steps = NULL, *before = NULL;
+    if (first == 0)
+        return DM2_OK;
+    enum dm2_status status = csv_parse(path, (const char *)text, head + first, &row, err);
+    if (status != DM2_OK)
+        return status;
+    if (csv_column(&row, "step", &step, NULL) == DM2_OK &&
+        csv_column(&row, "links", &links, NULL) == DM2_OK) {
+        status = csv_numbers(&row, step, &steps, err);
+        if (status == DM2_OK)
+            status = csv_numbers(&row, links, &before, err);
+        if (status == DM2_OK)
+            *count = (struct crack_count){.from = (int64_t)*steps, .rows = (int64_t)*before - r->links};
+    }
+    free(steps);
+    free(before);
+    csv_free(&row);
+    return status;
+}
+
 /* Adds the table `name` in r->source to *r: its .part file, or the complete file of a run that ended. Keeps
- * the text of a table that is to be copied. `which`: the profile; n_profiles: history.csv; above:
- * fragments.csv. */
+ * the text of a table that is to be copied. `which`: the profile; n_profiles: history.csv, which says how
+ * many rows cracks.csv has; above: fragments.csv. */
 static enum dm2_status check_table(struct resume *r, const struct config *c, const char *name, size_t which,
-                                   struct file_out *to, struct dm2_error *err)
+                                   struct file_out *to, struct crack_count *cracks, struct dm2_error *err)
 {
     struct resumed_table *t = &r->tables[r->n];
     const struct table_due due = {r->book, name};
@@ -162,6 +189,8 @@ static enum dm2_status check_table(struct resume *r, const struct config *c, con
         status = check_bins(path, text, n, &c->profiles[which], err);
     if (status == DM2_OK)
         status = resume_keep(path, text, n, &plan, &t->keep, err);
+    if (status == DM2_OK && which == c->n_profiles)
+        status = count_cracks(r, path, text, t->keep, cracks, err);
     if (status == DM2_OK && !r->in_place) {
         t->text = text;
         text = NULL;
@@ -197,10 +226,11 @@ static enum dm2_status check_profiles(const struct resume *r, const struct confi
 enum dm2_status resume_check(struct resume *r, const struct config *c, struct history_tables *tables,
                              struct dm2_error *err)
 {
+    struct crack_count cracks = {.from = -1};
     r->cracks = &tables->cracks;
     enum dm2_status status = check_profiles(r, c, err);
     if (status == DM2_OK)
-        status = check_table(r, c, "history.csv", c->n_profiles, &tables->history, err);
+        status = check_table(r, c, "history.csv", c->n_profiles, &tables->history, &cracks, err);
     for (size_t k = 0; k < c->n_profiles && status == DM2_OK; k++) {
         char name[TABLE_NAME_MAX];
         schedule_book_profile(c, k, name);
@@ -210,11 +240,11 @@ enum dm2_status resume_check(struct resume *r, const struct config *c, struct hi
                 "%s: has no rows of the profile '%s', which is new in the deck: take it out, or run "
                 "the deck anew in another directory (-o DIR)",
                 r->source, c->profiles[k].name);
-        status = check_table(r, c, name, k, &tables->profiles[k], err);
+        status = check_table(r, c, name, k, &tables->profiles[k], &cracks, err);
     }
     if (status == DM2_OK && has_rows(r->book, "fragments.csv", r->step))
-        status = check_table(r, c, "fragments.csv", c->n_profiles + 1, &tables->fragments, err);
-    return status;
+        status = check_table(r, c, "fragments.csv", c->n_profiles + 1, &tables->fragments, &cracks, err);
+    return status == DM2_OK ? cracks_check(r->source, r->step, &cracks, &r->crack_rows, err) : status;
 }
 
 /* Opens one table in `directory`: cut in place, or written anew. */
@@ -244,8 +274,7 @@ enum dm2_status resume_take(const struct resume *r, const char *directory, struc
     enum dm2_status status = DM2_OK;
     for (size_t k = 0; k < r->n && status == DM2_OK; k++)
         status = take_table(r, directory, &r->tables[k], err);
-    return status == DM2_OK ? cracks_resume(directory, r->source, r->step, r->in_place, r->cracks, err)
-                            : status;
+    return status == DM2_OK ? cracks_take(&r->crack_rows, directory, r->in_place, r->cracks, err) : status;
 }
 
 void resume_free(struct resume *r)
@@ -253,6 +282,7 @@ void resume_free(struct resume *r)
     for (size_t k = 0; k < r->n; k++)
         free(r->tables[k].text);
     r->n = 0;
+    cracks_free(&r->crack_rows);
 }
 
 enum dm2_status resume_series(const char *directory, const struct schedule_book *book, int64_t step,

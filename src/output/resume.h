@@ -8,6 +8,7 @@
 
 #include "dm2/base/status.h"
 #include "dm2/deck/config.h"
+#include "cracks.h"
 #include "history.h"
 #include "schedule_book.h"
 #include "snapshot.h"
@@ -38,20 +39,22 @@ struct resumed_table {
     struct file_out *to;
 };
 
-/* The tables of a run that continues from the state of `step` in `source`; `in_place` is resume_in_place. */
+/* The tables of a run that continues from the state of `step` in `source`, which has `links` linked pairs;
+ * `in_place` is resume_in_place. */
 struct resume {
     const char *source;
     bool in_place;
-    int64_t step;
+    int64_t step, links;
     const struct schedule_book *book; /* of `source` */
     size_t n;
     struct resumed_table tables[PROFILE_MAX + 2];
+    struct crack_rows crack_rows;
     struct file_out *cracks;
 };
 
 /* Reads the tables and touches none. DM2_DECK where columns, bins or profiles are others than those of the
- * deck; DM2_PROTOCOL as resume_keep; DM2_IO, DM2_MEMORY. The first three members of *r and `book` are given,
- * n is 0; `tables` are those that resume_take opens. */
+ * deck; DM2_PROTOCOL as resume_keep, or where cracks.csv lacks rows; DM2_IO, DM2_MEMORY. The members of *r up
+ * to `book` are given, n is 0; `tables` are those that resume_take opens. */
 enum dm2_status resume_check(struct resume *r, const struct config *c, struct history_tables *tables,
                              struct dm2_error *err);
 

@@ -48,6 +48,20 @@ for every in 160 250; do
     expect_status 0 "$DM2_BIN/dm2-client" tear.dm2 -n 3 -q --restart cut/checkpoint.dm2
     same_bytes whole/cracks.csv cut/cracks.csv
 done
+
+# A table that lacks rows is noticed before any file is touched.
+rm cut/final.dm2
+cp -R cut gone
+rm gone/cracks.csv
+cp -R cut short
+sed 2d cut/cracks.csv >short/cracks.csv
+for directory in gone short; do
+    (cd $directory && cksum * 2>/dev/null) >before
+    expect_status 3 "$DM2_BIN/dm2-seq" tear.dm2 -q -o $directory --restart auto
+    expect_text err "$directory/cracks.csv: "
+    expect_text err ' links broke after step 0 and before step 250, as history.csv and the state say'
+    (cd $directory && cksum * 2>/dev/null) | cmp - before || fail "$directory was touched"
+done
 expect_status 0 "$DM2_BIN/dm2-seq" tear.dm2 -D v=0 -D j=0 -q -o cut --overwrite
 [ ! -e cut/cracks.csv ] || fail "a run without a crack has the table: $(cat cut/cracks.csv)"
 

@@ -27,6 +27,10 @@ static inline const char *scratch_path(const char *name)
 {
     static char paths[4][800];
     static int next;
+    if (scratch_directory[0] == '\0') {
+        fprintf(stderr, "%s: no scratch_begin\n", name);
+        exit(1);
+    }
     char *path = paths[next = (next + 1) % 4];
     snprintf(path, sizeof paths[0], "%s/%s", scratch_directory, name);
     return path;

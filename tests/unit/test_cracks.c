@@ -165,6 +165,7 @@ static const char rows[] = "step,time [us],x [cm],y [cm],id_a,id_b,grains,mode,e
 
 TEST(rows_by_step_and_ids)
 {
+    scratch_begin();
     struct file_out f;
     struct dm2_error err = {0};
     struct config c = {.dt = 0.5};
@@ -185,6 +186,7 @@ TEST(rows_by_step_and_ids)
     char *text = scratch_read("cracks.csv", NULL);
     CHECK_STR(text, rows);
     free(text);
+    scratch_end();
 }
 
 /* What a run that continues from `step` has in directory `to`, of a table `text` in directory `from`; NULL:
@@ -206,7 +208,14 @@ static char *resumed(const char *text, const char *name, int64_t step, bool in_p
     mkdir(scratch_path(from), 0777);
     snprintf(to, sizeof to, "%s", scratch_path(from));
     count++;
-    *status = cracks_resume(to, source, step, in_place, &f, err);
+    const struct crack_count unknown = {.from = -1};
+    struct crack_rows kept;
+    *status = cracks_check(source, step, &unknown, &kept, err);
+    snprintf(path, sizeof path, "%s/cracks.csv", from);
+    CHECK(!in_place || scratch_exists(path) == kept.whole); /* untouched */
+    if (*status == DM2_OK)
+        *status = cracks_take(&kept, to, in_place, &f, err);
+    cracks_free(&kept);
     bool any = f.path != NULL;
     file_suspend(&f);
     snprintf(path, sizeof path, "%s/cracks.csv.part", from);
@@ -216,6 +225,7 @@ static char *resumed(const char *text, const char *name, int64_t step, bool in_p
 
 TEST(rows_before_the_checkpoint_stay)
 {
+    scratch_begin();
     enum dm2_status status;
     struct dm2_error err = {0};
     size_t four = (size_t)(strstr(rows, "10,5") - rows);
@@ -244,7 +254,44 @@ TEST(rows_before_the_checkpoint_stay)
     CHECK(resumed(torn, "cracks.csv", 20, true, &status, &err) == NULL && status == DM2_PROTOCOL);
     CHECK(resumed("step,a\n1,2\n", "cracks.csv", 20, true, &status, &err) == NULL && status == DM2_PROTOCOL);
     CHECK_CONTAINS(err.text, "has another heading");
+    scratch_end();
+}
+
+/* The status of the check of a table, "" for none, at step 11, of which `count` rows from behind `from` on
+ * are expected. */
+static enum dm2_status counted(const char *text, int64_t from, int64_t count, struct dm2_error *err)
+{
+    struct crack_rows kept;
+    const struct crack_count want = {.from = from, .rows = count};
+    scratch_remove(scratch_path("cracks.csv"));
+    if (*text != '\0')
+        scratch_write("cracks.csv", text);
+    enum dm2_status status = cracks_check(scratch_path("."), 11, &want, &kept, err);
+    cracks_free(&kept);
+    return status;
+}
+
+TEST(rows_that_are_missing)
+{
+    scratch_begin();
+    struct dm2_error err = {0};
+    int64_t all = 0;
+    for (const char *c = strchr(rows, '\n'); c[1] != '\0'; c = strchr(c + 1, '\n'))
+        all++;
+    CHECK_EQ_INT(counted(rows, 0, all, &err), DM2_OK);
+    CHECK_EQ_INT(counted(rows, 0, all - 1, &err), DM2_OK); /* of links that formed meanwhile */
+    CHECK_EQ_INT(counted(rows, -1, all + 1, &err), DM2_OK);
+    CHECK_EQ_INT(counted(rows, 0, all + 1, &err), DM2_PROTOCOL);
+    CHECK_CONTAINS(err.text,
+                   "has 3 rows of these steps, but at least 4 links broke after step 0 and before step 11");
+    CHECK_EQ_INT(counted(rows, 9, 1, &err), DM2_OK);
+    CHECK_EQ_INT(counted(rows, 9, 2, &err), DM2_PROTOCOL);
+    CHECK_EQ_INT(counted("", 0, 0, &err), DM2_OK);
+    CHECK_EQ_INT(counted("", 0, 3, &err), DM2_PROTOCOL);
+    CHECK_CONTAINS(err.text,
+                   "cracks.csv: is not there, but at least 3 links broke after step 0 and before step 11");
+    scratch_end();
 }
 
 TEST_MAIN(CASE(modes_and_places), CASE(each_link_once), CASE(forces_that_are_dropped),
-          CASE(rows_by_step_and_ids), CASE(rows_before_the_checkpoint_stay))
+          CASE(rows_by_step_and_ids), CASE(rows_before_the_checkpoint_stay), CASE(rows_that_are_missing))

@@ -60,14 +60,14 @@ enum dm2_status results_open(const char *directory, bool overwrite, const struct
                              struct measure_scales scales, const struct state_origin *origin,
                              struct results **out, struct dm2_error *err);
 
-/* results_begin for a run that goes on from the state of step `step` in the file `state`. The tables beside
+/* results_begin for a run that goes on from a state, read from the file `path`. The tables beside
  * the state are taken over up to that step, as schedule.csv says which rows they have: rows of later steps
  * are dropped, and no row is missing or doubled. Where the state lies in the run's directory, the run goes on
  * there and the state becomes its checkpoint.dm2 (adopt.h); else the directory is prepared as by
  * results_begin and the rows are copied into it, while snapshots stay with the state. DM2_PROTOCOL where the
  * tables lack rows from before the step, DM2_DECK where they have other columns than the deck asks for; the
  * message says which and the remedy, and nothing is touched. */
-enum dm2_status results_go_on(struct results *r, bool overwrite, const char *state, int64_t step,
+enum dm2_status results_go_on(struct results *r, bool overwrite, const char *path, const struct state *state,
                               const struct config *config, struct measure_scales scales,
                               const struct state_origin *origin, struct dm2_error *err);
 
