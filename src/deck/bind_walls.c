@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "dm2/base/mem.h"
+#include "bind_loads.h"
 #include "check.h"
 
 enum { POINTS_MAX = 100000 };
@@ -131,7 +132,7 @@ static void check_exclusive(const struct deck_binding *b, size_t block, const ch
                        "the block 'wall' lacks `%s` or `%s`: give one of them", one, other);
 }
 
-/* What loads a wall takes: motions that `velocity`, `spin` and the shape do not contradict, and a
+/* What loads a wall takes: motions and forces that `velocity`, `spin` and the shape do not contradict, and a
  * temperature. */
 static void check_wall_loads(const struct deck_binding *b, size_t mover, size_t block,
                              const struct wall_config *w)
@@ -142,12 +143,14 @@ static void check_wall_loads(const struct deck_binding *b, size_t mover, size_t 
         enum load_quantity q = c->loads[i].quantity;
         if (c->loads[i].mover != mover || q == LOAD_TEMPERATURE)
             continue;
-        if (q > LOAD_SPIN)
-            findings_error(b->findings, binding_place(b, block, "wall", 0),
-                           "the load '%s' is none that the wall '%s' takes: velocity_x, velocity_y, spin, "
-                           "temperature; make the wall a driven body to load it by a force",
-                           c->loads[i].name, w->name);
-        else if (set[q])
+        const int motion = q == LOAD_FORCE_X || q == LOAD_STRESS_XX   ? LOAD_VELOCITY_X
+                           : q == LOAD_FORCE_Y || q == LOAD_STRESS_YY ? LOAD_VELOCITY_Y
+                                                                      : (int)q;
+        if (motion > LOAD_SPIN)
+            findings_error(b->findings, load_place(b, i),
+                           "a wall has no acceleration: a wall takes velocity_x, velocity_y, spin, force_x, "
+                           "force_y, stress_xx, stress_yy, temperature");
+        else if (set[motion])
             findings_error(b->findings, binding_place(b, block, q == LOAD_SPIN ? "spin" : "velocity", 0),
                            "the load '%s' moves the wall '%s' along the same axis: leave one out",
                            c->loads[i].name, w->name);

@@ -111,19 +111,20 @@ static void check_ends(const struct deck_binding *b, size_t i)
                        number_text(load->value[load->n - 1], &last));
 }
 
-/* A body under a force does not turn, because the force acts on one of its sides. */
+/* A body or a wall under a force does not turn, because the force acts on one of its sides. */
 static void check_force_alone(const struct deck_binding *b, size_t i)
 {
+    const struct config *c = b->config;
     const struct load_config *load = load_at(b, i);
-    if (!is_force(load->quantity) || load->mover >= b->config->n_bodies)
+    if (!is_force(load->quantity))
         return;
-    const struct body_config *body = &b->config->bodies[load->mover];
-    if (body->motion == MOTION_DRIVEN &&
-        (body->spin != 0 || config_load(b->config, load->mover, LOAD_SPIN) != NULL))
-        findings_error(
-            b->findings, load_place(b, i),
-            "the body '%s' has a spin, and under a force a body does not turn: leave one of them out",
-            body->name);
+    const bool wall = load->mover >= c->n_bodies;
+    double spin = wall ? c->walls[load->mover - c->n_bodies].spin : c->bodies[load->mover].spin;
+    if ((wall || c->bodies[load->mover].motion == MOTION_DRIVEN) &&
+        (spin != 0 || config_load(c, load->mover, LOAD_SPIN) != NULL))
+        findings_error(b->findings, load_place(b, i),
+                       "the %s '%s' has a spin, and under a force a %s does not turn: leave one of them out",
+                       wall ? "wall" : "body", config_mover_name(c, load->mover), wall ? "wall" : "body");
 }
 
 /* Refuses the keywords of forces and stresses for other loads, and contradictions among them. */

@@ -78,6 +78,11 @@ const char *config_mover_name(const struct config *c, size_t mover)
     return mover < c->n_bodies ? c->bodies[mover].name : c->walls[mover - c->n_bodies].name;
 }
 
+const double *config_velocity(const struct config *c, size_t mover)
+{
+    return mover < c->n_bodies ? c->bodies[mover].velocity : c->walls[mover - c->n_bodies].velocity;
+}
+
 const struct load_config *config_load(const struct config *c, size_t mover, enum load_quantity quantity)
 {
     for (size_t i = 0; i < c->n_loads; i++)

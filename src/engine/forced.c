@@ -1,5 +1,5 @@
-/* Bodies under force: what they cover and weigh is found by one more walk of the generator, which decks
- * without such loads do not make. */
+/* Bodies and walls under force: what bodies cover and weigh is found by one more walk of the generator, which
+ * decks without such loads do not make. */
 #include "forced.h"
 
 #include <math.h>
@@ -11,6 +11,7 @@
 #include "kinds.h"
 #include "motion.h"
 #include "tables.h"
+#include "wall_shape.h"
 
 static const double share_most = 0.3;    /* of omega dt: the equation is stable up to here on soft ground */
 static const double mass_factor = 25.0;  /* of the default mass: omega dt = 0.2 */
@@ -23,15 +24,16 @@ static bool is_force(enum load_quantity q)
 
 static const char *const axis_names[2] = {"x", "y"};
 
-/* --- what the elements of a body cover --- */
+/* --- what the elements of a body cover, or the points of a wall --- */
 
 struct body_extent {
     double low[2], high[2]; /* cm */
-    double mass;            /* g */
+    double mass;            /* g; of a wall 0 */
+    double along;           /* length of a wall, cm; of a body 0 */
 };
 
 struct body_extents {
-    struct body_extent *of; /* [n_bodies] */
+    struct body_extent *of; /* [movers] */
     double least;           /* smallest radius, cm, */
     double lightest;        /* and the least mass of such an element, g */
 };
@@ -53,26 +55,69 @@ static enum dm2_status add_extent(void *context, const struct element *e, struct
     return DM2_OK;
 }
 
-/* Measures all bodies. *x is to be freed by free(x->of), after an error, too. */
+static void measure_wall(const struct wall_config *w, struct body_extent *of)
+{
+    for (size_t k = 0; k < w->n_points; k++) {
+        const double *p = w->points + 2 * k;
+        for (int a = 0; a < 2; a++) {
+            of->low[a] = fmin(of->low[a], p[a]);
+            of->high[a] = fmax(of->high[a], p[a]);
+        }
+        if (k + 1 < w->n_points)
+            of->along += sqrt((p[2] - p[0]) * (p[2] - p[0]) + (p[3] - p[1]) * (p[3] - p[1]));
+    }
+    if (w->n_points > 0)
+        return;
+    for (int a = 0; a < 2; a++) {
+        of->low[a] = w->circle[a] - w->circle[2];
+        of->high[a] = w->circle[a] + w->circle[2];
+    }
+    of->along = 0x1.921fb54442d18p2 * w->circle[2]; /* 2 pi R */
+}
+
+/* Measures all bodies and walls. *x is to be freed by free(x->of), after an error, too. */
 static enum dm2_status find_extents(const struct model *m, struct body_extents *x, struct dm2_error *err)
 {
-    size_t n = m->config->n_bodies;
+    const struct config *c = m->config;
+    size_t n = config_movers(c);
     *x = (struct body_extents){.of = mem_zalloc(n, sizeof *x->of), .least = INFINITY};
     if (x->of == NULL)
         return dm2_fail(err, DM2_MEMORY, "no memory for the extents of %zu bodies", n);
     for (size_t b = 0; b < n; b++)
         x->of[b] = (struct body_extent){.low = {INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY}};
+    for (size_t w = 0; w < c->n_walls; w++)
+        measure_wall(&c->walls[w], &x->of[c->n_bodies + w]);
     return generate_elements(m, add_extent, x, err);
 }
 
 /* --- one load --- */
 
-/* The stiffest law between elements of the body and elements of others, Mbar cm. */
-static double find_stiffness(const struct model *m, size_t body)
+/* The stiffest law between elements of the body and wall w, Mbar cm. */
+static double find_wall_stiffness(const struct model *m, const struct body_config *body, const struct wall *w)
+{
+    double stiffness = 0.0;
+    for (size_t i = 0; i < body->n_mix; i++)
+        for (size_t k = 0; k < m->n_kinds; k++)
+            if (kind_may_become(m, body->mix_material[i], k))
+                stiffness = fmax(stiffness, w->laws[k].k);
+    return stiffness;
+}
+
+/* The stiffest law between the mover and elements of others or walls, Mbar cm. */
+static double find_stiffness(const struct model *m, size_t mover)
 {
     const struct config *c = m->config;
-    const struct body_config *own = &c->bodies[body];
     double stiffness = 0.0;
+    if (mover >= c->n_bodies) {
+        for (size_t b = 0; b < c->n_bodies; b++)
+            stiffness =
+                fmax(stiffness, find_wall_stiffness(m, &c->bodies[b], &m->walls[mover - c->n_bodies]));
+        return stiffness;
+    }
+    const size_t body = mover;
+    const struct body_config *own = &c->bodies[body];
+    for (size_t w = 0; w < m->n_walls; w++)
+        stiffness = fmax(stiffness, find_wall_stiffness(m, own, &m->walls[w]));
     for (size_t other = 0; other < c->n_bodies; other++) {
         const struct body_config *b = &c->bodies[other];
         for (size_t pair = 0; other != body && pair < own->n_mix * b->n_mix; pair++) {
@@ -97,20 +142,20 @@ static double find_gap(const struct body_extents *x, const size_t between[2], in
 }
 
 /* The length on which a stress acts, at the start, and the movers that bound it. */
-static enum dm2_status find_length(const struct model *m, const struct body_extents *x, size_t body, int axis,
-                                   struct forced_axis *at, struct dm2_error *err)
+static enum dm2_status find_length(const struct model *m, const struct body_extents *x, size_t mover,
+                                   int axis, struct forced_axis *at, struct dm2_error *err)
 {
     const struct config *c = m->config;
     const struct load_config *load = at->load;
     int across = 1 - axis;
     at->facing[0] = at->facing[1] = MOVER_NONE;
-    at->length = x->of[body].high[across] - x->of[body].low[across];
+    at->length = x->of[mover].high[across] - x->of[mover].low[across];
     if (load->between[0] != MOVER_NONE) {
         for (int k = 0; k < 2; k++)
-            if (load->between[k] >= c->n_bodies || c->bodies[load->between[k]].motion == MOTION_FREE)
+            if (load->between[k] < c->n_bodies && c->bodies[load->between[k]].motion == MOTION_FREE)
                 return config_fail(
                     load->mass_place, err, DM2_DECK,
-                    "load '%s': `between` takes two bodies that are fixed or driven, and '%s' is "
+                    "load '%s': `between` takes two walls, or bodies that are fixed or driven, and '%s' is "
                     "not: name two such bodies, or give `length`",
                     load->name, config_mover_name(c, load->between[k]));
         at->length = find_gap(x, load->between, across, at->facing);
@@ -126,7 +171,20 @@ static enum dm2_status find_length(const struct model *m, const struct body_exte
     } else if (c->periodic[across]) {
         at->length = c->size[across];
     }
-    return DM2_OK;
+    if (!at->stress || at->length > 0.0)
+        return DM2_OK;
+    return config_fail(
+        load->mass_place, err, DM2_DECK,
+        "load '%s': the wall '%s' has no extent along %s on which a stress acts: give `length` or "
+        "`between`",
+        load->name, config_mover_name(c, mover), axis_names[across]);
+}
+
+/* How many of the smallest elements touch the mover, side by side. A wall is touched along its whole length.
+ */
+static double count_contacts(const struct body_extents *x, size_t mover, double length)
+{
+    return fmax(1.0, fmax(length, x->of[mover].along) / (2.0 * x->least));
 }
 
 static double find_greatest(const struct load_config *load)
@@ -156,19 +214,19 @@ static enum dm2_status find_fastest(const struct load_config *load, const struct
         load->name);
 }
 
-/* Fills one axis of the body from its load. */
-static enum dm2_status fill_axis(const struct model *m, const struct body_extents *x, size_t body, int axis,
+/* Fills one axis of the mover from its load. */
+static enum dm2_status fill_axis(const struct model *m, const struct body_extents *x, size_t mover, int axis,
                                  const struct load_config *load, struct forced_axis *at,
                                  struct dm2_error *err)
 {
     const struct config *c = m->config;
-    const struct body_extent *of = &x->of[body];
+    const struct body_extent *of = &x->of[mover];
     double dt = c->dt;
     *at = (struct forced_axis){.load = load, .stress = load->quantity >= LOAD_STRESS_XX};
-    enum dm2_status status = find_length(m, x, body, axis, at, err);
+    enum dm2_status status = find_length(m, x, mover, axis, at, err);
     if (status != DM2_OK)
         return status;
-    double n = fmax(1.0, at->length / (2.0 * x->least)), k = find_stiffness(m, body);
+    double n = count_contacts(x, mover, at->length), k = find_stiffness(m, mover);
     double middle = c->origin[axis] + 0.5 * c->size[axis];
     at->side = 0.5 * (of->low[axis] + of->high[axis]) > middle ? 1.0 : -1.0;
     at->weight = at->stress ? 0.0 : of->mass * c->gravity[axis];

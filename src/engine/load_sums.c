@@ -50,8 +50,43 @@ static void add_contact(struct load_sums *s, const struct model *m, const struct
         (void)exact_add(&t->speed[a], p->v[2 * j + a], m->scales.velocity);
 }
 
+/* Counts contacts of mover number `forced`, none where it is 0, with something of velocity v. */
+static void add_touching(struct load_sums *s, const struct model *m, size_t forced, int64_t contacts,
+                         const double v[2])
+{
+    struct load_totals *t = forced > 0 ? &s->own[forced - 1] : NULL;
+    if (t != NULL)
+        t->contacts += (uint32_t)contacts;
+    for (size_t a = 0; t != NULL && a < 2; a++)
+        for (int64_t k = 0; k < contacts; k++)
+            (void)exact_add(&t->speed[a], v[a], m->scales.velocity);
+}
+
+/* Adds walls: the sums that the evaluation has, and the contacts of each element with each wall. These count
+ * with their signs, so that a joint or a corner counts as in the law; features come wall by wall. */
+static void add_walls(struct load_sums *s, const struct model *m, const struct particles *p,
+                      const struct walls *ws)
+{
+    for (size_t b = 0; b < m->n_forced; b++)
+        for (int a = 0; m->forced[b].mover >= m->config->n_bodies && a < 2; a++)
+            exact_merge(&s->own[b].force[a], &ws->sums[m->forced[b].mover - m->config->n_bodies].force[a]);
+    for (size_t row = 0; row < ws->n_rows; row++) {
+        size_t i = ws->slot[row], k = ws->start[row];
+        while (k < ws->start[row + 1]) {
+            const struct wall *w = walls_of_feature(m, ws->entry[k].feature);
+            int64_t contacts = 0;
+            for (; k < ws->start[row + 1] && ws->entry[k].feature < w->first + w->n_features; k++)
+                contacts += ws->entry[k].sign;
+            if (contacts <= 0)
+                continue;
+            add_touching(s, m, m->forced_of[w->mover], contacts, &p->v[2 * i]);
+            add_touching(s, m, m->forced_of[p->body[i]], contacts, ws->pose[w - m->walls].v);
+        }
+    }
+}
+
 void load_sums_add(struct load_sums *s, const struct model *m, const struct particles *p,
-                   const struct lists *l)
+                   const struct lists *l, const struct walls *ws)
 {
     const struct period period = period_of(&m->grid);
     for (size_t b = 0; b < m->n_forced; b++)
@@ -74,6 +109,7 @@ void load_sums_add(struct load_sums *s, const struct model *m, const struct part
         add_contact(s, m, p, i, j);
         add_contact(s, m, p, j, i);
     }
+    add_walls(s, m, p, ws);
 }
 
 void load_sums_free(struct load_sums *s)

@@ -9,6 +9,7 @@
 #include "dm2/engine/load_totals.h"
 #include "lists.h"
 #include "particles.h"
+#include "wall.h"
 
 /* A near pair of a body under force with an element of another body. */
 struct loaded_pair {
@@ -27,9 +28,10 @@ int load_sums_build(struct load_sums *s, const struct model *m, const struct par
                     const struct lists *l);
 
 /* Sums the totals of an evaluation that is complete, at the positions and velocities of this evaluation. A
- * pair counts where the element with the lower id is owned, a force where the element is. */
+ * pair counts where the element with the lower id is owned, a force or a contact with a wall where the
+ * element is. */
 void load_sums_add(struct load_sums *s, const struct model *m, const struct particles *p,
-                   const struct lists *l);
+                   const struct lists *l, const struct walls *ws);
 
 void load_sums_free(struct load_sums *s);
 size_t load_sums_bytes(const struct load_sums *s); /* memory held */

@@ -48,7 +48,7 @@ enum dm2_status loading_open(const struct model *m, int64_t step, struct loading
     for (size_t i = 0; i < m->n_forced; i++)
         for (int a = 0; a < 2; a++)
             if (m->forced[i].axis[a].load != NULL)
-                l->body[i].axis[a].velocity = m->config->bodies[m->forced[i].mover].velocity[a];
+                l->body[i].axis[a].velocity = config_velocity(m->config, m->forced[i].mover)[a];
     *out = l;
     return DM2_OK;
 }
@@ -116,12 +116,8 @@ bool loading_collect(const struct loading *l, struct section_array *out)
 /* The displacement of a mover along an axis since the start of the run, cm, at the present step. */
 static double find_shift(const struct loading *l, size_t mover, int axis)
 {
-    const struct model *m = l->model;
-    size_t forced = m->forced_of[mover];
-    if (forced > 0 && m->forced[forced - 1].axis[axis].load != NULL)
-        return l->body[forced - 1].axis[axis].shift;
     struct rigid_motion at;
-    motion_at(m, mover, l->step, &at);
+    loading_motion(l, l->model, mover, l->step, &at);
     return axis == 0 ? at.dx : at.dy;
 }
 
@@ -226,6 +222,25 @@ void loading_add_shift(const struct loading *l, size_t body, double r[2])
         return;
     for (int a = 0; a < 2; a++)
         r[a] += l->body[l->model->forced_of[body] - 1].axis[a].shift;
+}
+
+void loading_motion(const struct loading *l, const struct model *m, size_t mover, int64_t step,
+                    struct rigid_motion *out)
+{
+    motion_at(m, mover, step, out);
+    if (l == NULL || m->forced_of[mover] == 0)
+        return;
+    const struct forced_body *body = &m->forced[m->forced_of[mover] - 1];
+    const struct body_state *s = &l->body[m->forced_of[mover] - 1];
+    const struct control_state *at = step > l->step ? s->next : s->axis;
+    if (body->axis[0].load != NULL) {
+        out->dx = at[0].shift;
+        out->vx = at[0].velocity;
+    }
+    if (body->axis[1].load != NULL) {
+        out->dy = at[1].shift;
+        out->vy = at[1].velocity;
+    }
 }
 
 bool loading_warns(struct loading *l, char line[LOADING_LINE])

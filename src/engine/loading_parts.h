@@ -22,6 +22,7 @@ struct loading {
 };
 
 struct body_drive;
+struct rigid_motion;
 
 /* Adds the motion of the bodies under force by the kick of the present step to the drives of this step
  * (drive.h), which are those of a body without forces. */
@@ -29,5 +30,10 @@ void loading_drive(const struct loading *l, struct body_drive *drives);
 
 /* Adds what forces have moved the body by at the present step to r[2], cm; l NULL: nothing. */
 void loading_add_shift(const struct loading *l, size_t body, double r[2]);
+
+/* motion_at, with what forces do to the mover. `step`: the present one of *l or, after the kick, the next
+ * one. l NULL: nothing moves by forces. */
+void loading_motion(const struct loading *l, const struct model *m, size_t mover, int64_t step,
+                    struct rigid_motion *out);
 
 #endif

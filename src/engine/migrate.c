@@ -375,9 +375,9 @@ enum dm2_status migrate_build_lists(struct subdomain *sd, bool initial, struct d
     if (n > 0)
         memcpy(anchor, sd->p.r, n * 2 * sizeof *anchor);
     sd->anchors_sorted = false;
-    enum dm2_status status = sd->model->n_walls > 0
-                                 ? walls_build(&sd->walls, sd->model, &sd->p, &sd->cells, sd->step, err)
-                                 : DM2_OK;
+    enum dm2_status status = sd->model->n_walls > 0 ? walls_build(&sd->walls, sd->model, sd->loading, &sd->p,
+                                                                  &sd->cells, sd->step, err)
+                                                    : DM2_OK;
     if (status == DM2_OK)
         status = lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, initial, err);
     if (status == DM2_OK && sd->loading != NULL &&

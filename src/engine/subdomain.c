@@ -276,6 +276,7 @@ enum dm2_status subdomain_forces(struct subdomain *sd, bool measure, struct dm2_
     enum dm2_status status = sd->loading != NULL ? loading_kick(sd->loading, err) : DM2_OK;
     if (sd->loading != NULL)
         loading_drive(sd->loading, sd->drives);
+    walls_place(&sd->walls, m, sd->loading, sd->step);
     if (status == DM2_OK && m->has_kinds)
         status = phase_account(m, &sd->p, &sd->lists, sd->step, err);
     if (status == DM2_OK && sd->pass.ahead)
@@ -297,7 +298,7 @@ enum dm2_status subdomain_forces(struct subdomain *sd, bool measure, struct dm2_
     if (status == DM2_OK && pressure)
         leapfrog_set_pressure(m, &sd->p);
     if (status == DM2_OK && sd->loading != NULL)
-        load_sums_add(&sd->load_sums, m, &sd->p, &sd->lists);
+        load_sums_add(&sd->load_sums, m, &sd->p, &sd->lists, &sd->walls);
     if (status == DM2_OK && sd->model->has_strain)
         status = strain_add(sd->model, &sd->p, &sd->lists, leapfrog_path_time(sd->model, sd->step), sd->step,
                             &sd->strain, err);
@@ -344,7 +345,7 @@ static enum dm2_status integrate_motion(struct subdomain *sd, bool drift, double
     walls_add_work(&sd->walls, &sd->p, share);
     enum dm2_status status = leapfrog_move(sd->model, &sd->p, sd->step, drift, dmax, out, err);
     if (status == DM2_OK && drift && sd->model->n_walls > 0) {
-        double moved = walls_moved(sd->model, sd->step);
+        double moved = walls_moved(sd->model, sd->loading, sd->step);
         *dmax = moved > *dmax ? moved : *dmax;
         walls_add_work(&sd->walls, &sd->p, 1.0 - share);
     }

@@ -121,6 +121,6 @@ void subdomain_survey(struct subdomain *sd, struct spread *out)
         *out = survey_slots(sd, NULL, 0, sd->p.n_own);
         out->close = INFINITY;
     }
-    walls_survey(&sd->walls, sd->model, sd->step, out);
+    walls_survey(&sd->walls, sd->model, sd->loading, sd->step, out);
     sd->times.integrate += clock_now() - started;
 }

@@ -8,16 +8,18 @@
 #include <string.h>
 
 #include "dm2/base/mem.h"
+#include "loading_parts.h"
 #include "motion.h"
 #include "pair_pass.h"
 
 /* --- poses --- */
 
-void wall_pose_at(const struct model *m, const struct wall *w, int64_t step, struct wall_pose *out)
+void wall_pose_at(const struct model *m, const struct loading *l, const struct wall *w, int64_t step,
+                  struct wall_pose *out)
 {
     struct rigid_motion now, next;
-    motion_at(m, w->mover, step, &now);
-    motion_at(m, w->mover, step + 1, &next);
+    loading_motion(l, m, w->mover, step, &now);
+    loading_motion(l, m, w->mover, step + 1, &next);
     *out = (struct wall_pose){.d = {now.dx, now.dy},
                               .v = {now.vx, now.vy},
                               .next_v = {next.vx, next.vy},
@@ -32,6 +34,12 @@ void wall_pose_at(const struct model *m, const struct wall *w, int64_t step, str
         out->cosine = real_cos(now.angle);
         out->sine = real_sin(now.angle);
     }
+}
+
+void walls_place(struct walls *ws, const struct model *m, const struct loading *l, int64_t step)
+{
+    for (size_t k = 0; k < m->n_walls; k++)
+        wall_pose_at(m, l, &m->walls[k], step, &ws->pose[k]);
 }
 
 /* --- memory of a subdomain --- */
@@ -191,15 +199,6 @@ struct wall_pass {
     struct pair_totals *totals;
 };
 
-/* Velocity of the wall at the foot, cm/us; `next`: of the half step behind. */
-static inline void find_velocity(const struct wall_pose *pose, const double lever[2], bool next, double v[2])
-{
-    double spin = next ? pose->next_spin : pose->spin;
-    const double *of = next ? pose->next_v : pose->v;
-    v[0] = of[0] - spin * lever[1];
-    v[1] = of[1] + spin * lever[0];
-}
-
 /* The pair as the law sees it. The wall's side moves as the foot does; the lever of the tangential force is
  * the distance of the foot. */
 static struct pair_view view_of(const struct wall_pass *a, size_t i, const struct wall_pose *pose,
@@ -350,8 +349,8 @@ static double book_work(const struct wall_pass *a, const struct wall_pose *pose,
                         const struct wall_meeting *at, struct pair_effect *e, int sign)
 {
     double v[2], next[2], t[2] = {-at->n[1], at->n[0]};
-    find_velocity(pose, at->lever, false, v);
-    find_velocity(pose, at->lever, true, next);
+    wall_velocity(pose, at->lever, false, v);
+    wall_velocity(pose, at->lever, true, next);
     double dn = (next[0] - v[0]) * at->n[0] + (next[1] - v[1]) * at->n[1],
            dt = (next[0] - v[0]) * t[0] + (next[1] - v[1]) * t[1];
     e->heat_damped += 0.5 * a->dt_kick * (e->fdn * dn + e->fdt * dt);
@@ -376,9 +375,9 @@ static enum dm2_status evaluate_entry(const struct wall_pass *a, size_t i, const
     wall_meet(a->m, w, pose, p, i, &row[k], &at);
     if (at.sign == 0 && row[k].sign == 0)
         return DM2_OK;
-    const bool held = (p->flags[i] & (ELEMENT_FIXED_MOTION | ELEMENT_FORCED)) == ELEMENT_FIXED_MOTION;
+    const bool held = wall_holds(a->m, w, p, i);
     double v_wall[2], dt = a->m->config->dt;
-    find_velocity(pose, at.lever, false, v_wall);
+    wall_velocity(pose, at.lever, false, v_wall);
     double ux = p->v[2 * i] - v_wall[0], uy = p->v[2 * i + 1] - v_wall[1],
            move = sqrt(ux * ux + uy * uy) * dt;
     if (!held && at.sign > 0 && move > 0.25 * radius && at.d < radius + move)
@@ -428,8 +427,6 @@ enum dm2_status walls_evaluate(struct walls *ws, const struct model *m, const st
 {
     const struct wall_pass pass = {
         .ws = ws, .m = m, .p = p, .step = step, .dt_kick = dt_kick, .dt_path = dt_path, .totals = totals};
-    for (size_t k = 0; k < m->n_walls; k++)
-        wall_pose_at(m, &m->walls[k], step, &ws->pose[k]);
     memset(ws->sums, 0, m->n_walls * sizeof *ws->sums);
     for (size_t row = 0; row < ws->n_rows; row++) {
         struct wall_entry *entry = ws->entry + ws->start[row];

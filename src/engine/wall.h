@@ -58,8 +58,13 @@ enum dm2_status walls_start(struct walls *ws, const struct model *m, struct dm2_
 void walls_free(struct walls *ws);
 size_t walls_bytes(const struct walls *ws, const struct model *m); /* memory held */
 
-/* The wall at a step. */
-void wall_pose_at(const struct model *m, const struct wall *w, int64_t step, struct wall_pose *out);
+/* The wall at a step: the present one or, after the kick of *l, the next one; l as in loading_motion. */
+struct loading;
+void wall_pose_at(const struct model *m, const struct loading *l, const struct wall *w, int64_t step,
+                  struct wall_pose *out);
+
+/* Takes the walls of `step`, whose kick is done, for the evaluation of this step. */
+void walls_place(struct walls *ws, const struct model *m, const struct loading *l, int64_t step);
 
 /* The place of r, cm, of the image `turns`, in the frame in which the vertices of the wall rest. */
 void wall_place(const struct model *m, const struct wall *w, const struct wall_pose *pose, const double r[2],
@@ -77,11 +82,28 @@ struct wall_meeting {
 void wall_meet(const struct model *m, const struct wall *w, const struct wall_pose *pose,
                const struct particles *p, size_t i, const struct wall_entry *entry, struct wall_meeting *out);
 
-/* Adds the forces, torques and heats of all walls to the pair sums of the owned elements, and updates the
- * memory; with totals (else NULL) also their energies and counts, and the virials of the elements. dt_kick
- * and dt_path as in law.h. Errors, with id, wall and place: DM2_DECK at step 0, else DM2_NUMERIC: an element
- * is deeper in a wall than half its radius, or moves against it by more than a quarter of its radius in a
- * step; DM2_NUMERIC: a force or a heat is out of range. */
+/* Velocity of the wall at the foot, cm/us; `next`: of the half step behind. */
+static inline void wall_velocity(const struct wall_pose *pose, const double lever[2], bool next, double v[2])
+{
+    double spin = next ? pose->next_spin : pose->spin;
+    const double *of = next ? pose->next_v : pose->v;
+    v[0] = of[0] - spin * lever[1];
+    v[1] = of[1] + spin * lever[0];
+}
+
+/* Do forces move neither the wall nor slot i? Then no force acts between the two. */
+static inline bool wall_holds(const struct model *m, const struct wall *w, const struct particles *p,
+                              size_t i)
+{
+    return (p->flags[i] & (ELEMENT_FIXED_MOTION | ELEMENT_FORCED)) == ELEMENT_FIXED_MOTION &&
+           (m->forced_of == NULL || m->forced_of[w->mover] == 0);
+}
+
+/* After walls_place: adds the forces, torques and heats of all walls to the pair sums of the owned elements,
+ * and updates the memory; with totals (else NULL) also their energies and counts, and the virials of the
+ * elements. dt_kick and dt_path as in law.h. Errors, with id, wall and place: DM2_DECK at step 0, else
+ * DM2_NUMERIC: an element is deeper in a wall than half its radius, or moves against it by more than a
+ * quarter of its radius in a step; DM2_NUMERIC: a force or a heat is out of range. */
 enum dm2_status walls_evaluate(struct walls *ws, const struct model *m, const struct particles *p,
                                int64_t step, double dt_kick, double dt_path, struct pair_totals *totals,
                                struct dm2_error *err);
@@ -91,11 +113,13 @@ void walls_add_work(const struct walls *ws, const struct particles *p, double sh
 
 /* --- wall_index.c --- */
 
-/* The largest displacement of a point of any wall in the step that begins at `step`, cm. */
-double walls_moved(const struct model *m, int64_t step);
+/* The largest displacement of a point of any wall in the step that begins at `step`, whose kick is done, cm.
+ */
+double walls_moved(const struct model *m, const struct loading *l, int64_t step);
 
 /* Adds the displacements of the walls since the last rebuild to *out. */
-void walls_survey(const struct walls *ws, const struct model *m, int64_t step, struct spread *out);
+void walls_survey(const struct walls *ws, const struct model *m, const struct loading *l, int64_t step,
+                  struct spread *out);
 
 /* Keeps a memory for the lists to be built. 0, or -1 without memory. */
 int walls_carry(struct walls *ws, uint32_t slot, uint32_t feature, int32_t sign, double spring);
@@ -106,7 +130,8 @@ void walls_give_memory(struct walls *ws, const struct model *m, const struct par
 /* Finds the features near each owned element at `step`, and gives them the memory that was carried.
  * DM2_MEMORY. */
 struct cells;
-enum dm2_status walls_build(struct walls *ws, const struct model *m, const struct particles *p,
-                            const struct cells *cells, int64_t step, struct dm2_error *err);
+enum dm2_status walls_build(struct walls *ws, const struct model *m, const struct loading *l,
+                            const struct particles *p, const struct cells *cells, int64_t step,
+                            struct dm2_error *err);
 
 #endif

@@ -23,14 +23,14 @@ static double displace(const struct wall *w, const struct wall_pose *from, const
     return w->circle ? 0.0 : fabs(to->angle - from->angle) * w->extent;
 }
 
-double walls_moved(const struct model *m, int64_t step)
+double walls_moved(const struct model *m, const struct loading *l, int64_t step)
 {
     double most = 0.0;
     for (size_t k = 0; k < m->n_walls; k++) {
         struct wall_pose from, to;
         double d[2];
-        wall_pose_at(m, &m->walls[k], step, &from);
-        wall_pose_at(m, &m->walls[k], step + 1, &to);
+        wall_pose_at(m, l, &m->walls[k], step, &from);
+        wall_pose_at(m, l, &m->walls[k], step + 1, &to);
         double turned = displace(&m->walls[k], &from, &to, d),
                moved = sqrt(d[0] * d[0] + d[1] * d[1]) + turned;
         most = moved > most ? moved : most;
@@ -38,12 +38,13 @@ double walls_moved(const struct model *m, int64_t step)
     return most;
 }
 
-void walls_survey(const struct walls *ws, const struct model *m, int64_t step, struct spread *out)
+void walls_survey(const struct walls *ws, const struct model *m, const struct loading *l, int64_t step,
+                  struct spread *out)
 {
     for (size_t k = 0; k < m->n_walls; k++) {
         struct wall_pose now;
         double d[2];
-        wall_pose_at(m, &m->walls[k], step, &now);
+        wall_pose_at(m, l, &m->walls[k], step, &now);
         double turned = displace(&m->walls[k], &ws->anchor[k], &now, d);
         struct spread of = {.most = sqrt(d[0] * d[0] + d[1] * d[1]) + turned};
         for (size_t a = 0; a < 2; a++) {
@@ -331,8 +332,9 @@ static int reserve_rows(struct walls *ws)
     return 0;
 }
 
-enum dm2_status walls_build(struct walls *ws, const struct model *m, const struct particles *p,
-                            const struct cells *cells, int64_t step, struct dm2_error *err)
+enum dm2_status walls_build(struct walls *ws, const struct model *m, const struct loading *l,
+                            const struct particles *p, const struct cells *cells, int64_t step,
+                            struct dm2_error *err)
 {
     struct index x = {.ws = ws, .m = m, .p = p, .cells = cells};
     double margin = m->margins.wide;
@@ -347,7 +349,7 @@ enum dm2_status walls_build(struct walls *ws, const struct model *m, const struc
     failed = start == NULL ? -1 : 0;
     for (size_t k = 0; k < m->n_walls && failed == 0; k++) {
         const struct wall *w = &m->walls[k];
-        wall_pose_at(m, w, step, &ws->anchor[k]);
+        wall_pose_at(m, l, w, step, &ws->anchor[k]);
         for (size_t local = 0; local < w->n_features && failed == 0; local++)
             failed = add_feature(&x, w, &ws->anchor[k], local, reach * (1.0 + 1e-9));
     }

@@ -318,6 +318,9 @@ static inline size_t config_kinds(const struct config *c)
 size_t config_movers(const struct config *c);
 const char *config_mover_name(const struct config *c, size_t mover);
 
+/* The velocity of the block of a mover, x and y, cm/us. */
+const double *config_velocity(const struct config *c, size_t mover);
+
 /* The load with this quantity of this mover; NULL: none. */
 const struct load_config *config_load(const struct config *c, size_t mover, enum load_quantity quantity);
 

@@ -13,8 +13,8 @@ enum { FORCED_MAX = 16 };
 struct load_totals {
     struct exact_sum force[2]; /* of others on the body, in quanta of the pair sums */
     struct exact_sum
-        speed[2];      /* velocities of the elements that its pairs touch; shift: measure_scales.velocity */
-    uint32_t contacts; /* pairs that touch the body or link it with others */
+        speed[2]; /* velocities of the elements and walls that it touches; shift: measure_scales.velocity */
+    uint32_t contacts; /* pairs that touch the body or link it with others, and contacts with walls */
 };
 
 /* Adds the part of another subdomain. */
