@@ -105,7 +105,7 @@ for test in $tests; do # the sources of each test
     {
         echo "tests/unit/test_$test.c"
         ${compile%% *} -Wl,-M -o /dev/null "$built/tests/unit/test_$test.o" $built/libdm2.a -lm |
-            sed -n 's/^[^ ]*libdm2\.a(\([a-z0-9_]*\)\.o)$/\1.c/p' | sort -u | while read -r name; do echo src/*/"$name"; done
+            sed -n 's/^[^ ]*libdm2\.a(\([a-z0-9_]*\)\.o).*/\1.c/p' | sort -u | while read -r name; do echo src/*/"$name"; done
     } >"members-$test"
     (DM2_SRC=$PWD $built/tests/test_"$test" >test.log 2>&1) ||
         { echo "mutate.sh: test_$test fails without a mutant" >&2; tail -n 20 test.log; exit 2; }

@@ -230,6 +230,33 @@ TEST(a_change_of_phase_beside_an_element)
     }
 }
 
+/* Where all elements change at once, the book counts as well. */
+TEST(all_elements_change)
+{
+    struct engine g;
+    engine_start(
+        &g,
+        FRAME "material A { rho0 = 4; c0 = 0.4; s = 2 }\n"
+              "phase A dense { transition = pressure; p_line = 9; t_line = 300; rho0 = 4/0.81 }\n"
+              "interaction { k = 3; potential = quadratic }\n"
+              "body a { shape = disc 0.5 0.5 0.001; spacing = 0.04; origin = 0.5 0.5; material = A }\n"
+              "body b { shape = disc 0.5396 0.5 0.001; spacing = 0.04; origin = 0.5396 0.5; material = A }\n",
+        NULL, 1);
+    struct engine_state s = engine_collect(&g, false);
+    for (int i = 0; i < 2; i++) {
+        s.e[i].kind = 1;
+        s.e[i].radius *= 0.9;
+    }
+    engine_restore(&g, 3, &s);
+    engine_state_free(&s);
+    engine_must(&g, engine_forces(&g, false));
+    s = engine_collect(&g, false);
+    for (int i = 0; i < 2; i++)
+        CHECK_NEAR_REL(s.e[i].moved, 0.25 * 3.0 * 0.0004 * 0.0004, 1e-9);
+    engine_state_free(&s);
+    engine_stop(&g);
+}
+
 /* --- slots --- */
 
 TEST(strength_softens_towards_melting)
@@ -279,6 +306,7 @@ TEST(slots_hold_their_values)
     CHECK_EQ_INT(particles_links(&p, 1), 5);
     CHECK_EQ_INT(particles_contacts(&p, 1), 3);
     CHECK_EQ_INT(particles_links(&p, 0), 0);
+    CHECK_EQ_INT(particles_contacts(&p, 0), 0);
     CHECK_SAME_BITS(particles_unwrapped(&p, &m, 1, 0), 0.75);
     p.image = image;
     CHECK_SAME_BITS(particles_unwrapped(&p, &m, 0, 1), 0.5);
@@ -304,5 +332,5 @@ TEST(walls_and_what_is_held)
 
 TEST_MAIN(CASE(growth_goes_on_in_the_product), CASE(a_pair_s_part_of_the_reactants),
           CASE(rates_and_their_bound), CASE(phases_form_from_phases), CASE(lines_and_ways_back),
-          CASE(a_change_of_phase_beside_an_element), CASE(strength_softens_towards_melting),
-          CASE(slots_hold_their_values), CASE(walls_and_what_is_held))
+          CASE(a_change_of_phase_beside_an_element), CASE(all_elements_change),
+          CASE(strength_softens_towards_melting), CASE(slots_hold_their_values), CASE(walls_and_what_is_held))
