@@ -82,7 +82,7 @@ FAILING  := $(patsubst src/app/%.c,$(BUILD)/failing/%,$(filter src/app/dm2-%.c,$
 
 all: $(PROGRAMS)
 
-tests: $(TESTS) $(TOOLS) $(FUZZED) $(FAILING) $(patsubst %,$(BUILD)/failing/%-server,losing slow spoiling forging)
+tests: $(TESTS) $(TOOLS) $(FUZZED) $(FAILING) $(patsubst %,$(BUILD)/failing/%-server,losing slow spoiling forging ending)
 
 test: all tests
 	$(Q)CC='$(CC)' DM2_BIN=$(abspath $(BIN)) DM2_BUILD=$(abspath $(BUILD)) FLAVOUR=$(FLAVOUR) \
@@ -143,11 +143,13 @@ $(BUILD)/fuzz/replay_%: $(BUILD)/tests/fuzz/%.o $(BUILD)/tests/fuzz/replay.o $(B
 	$(Q)mkdir -p $(@D)
 	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) $(FUZZ_WRAP) -o $@ $^ $(LDLIBS)
 
-# Servers with a fault or a slow engine of their own (tests/failing/losing.c, slow.c, spoiling.c, forging.c).
+# Servers with a fault or a slow engine of their own (tests/failing/losing.c, slow.c, spoiling.c, forging.c,
+# ending.c).
 $(BUILD)/failing/losing-server: WRAP = subdomain_owned
 $(BUILD)/failing/slow-server: WRAP = pulse_beat
 $(BUILD)/failing/spoiling-server: WRAP = subdomain_pack_update
 $(BUILD)/failing/forging-server: WRAP = subdomain_sort_out
+$(BUILD)/failing/ending-server: WRAP = subdomain_forces
 $(BUILD)/failing/%-server: $(BUILD)/src/app/dm2-server.o $(BUILD)/tests/failing/%.o $(BUILD)/libdm2.a
 	$(Q)mkdir -p $(@D)
 	$(Q)$(CC) $(CFLAGS) $(LDSAN) $(LDFLAGS) -Wl,--wrap=$(WRAP) -o $@ $^ $(LDLIBS)

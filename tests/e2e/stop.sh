@@ -66,6 +66,19 @@ for step in $((row + 3)) $((row + 2)) $((row + 1)) "$row" $((row - 60)); do
     expect_text on/run.log "at row $row: the run ends at step $((row + 3))"
 done
 
+# A server is killed one step before the row, behind it, and in the last evaluation.
+mkdir ending
+ln -s "$DM2_BUILD/failing/ending-server" ending/dm2-server
+ln -s "$DM2_BIN/dm2-client" ending/dm2-client
+for step in $((row - 1)) $((row + 1)) $((row + 3)); do
+    expect_status 0 env DM2_END_AT="$step" DM2_END_MARK="mark-$step" ending/dm2-client settle.dm2 -n 3 \
+        --copy-every 25 -o several --overwrite
+    expect_text err 'servers started anew'
+    [ -e "mark-$step" ] || fail "no server was killed at step $step"
+    same_bytes one/history.csv several/history.csv
+    same_bytes one/final.dm2 several/final.dm2
+done
+
 # Another block, the first to hold, and a probe's column.
 expect_status 0 "$DM2_BIN/dm2-seq" settle.dm2 -D low=-0.01 -q -o one --overwrite
 row=$(awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) if (index($i, "p_vx ") == 1) at = i; next }
