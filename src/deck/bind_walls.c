@@ -187,10 +187,5 @@ void check_lines(const struct deck_binding *b)
             check_line(b, block, w);
         if (circle)
             check_circle(b, block, w);
-        if (c->n_phases > 0 || c->n_reactions > 0)
-            findings_error(
-                b->findings, binding_place(b, block, "wall", 0),
-                "a deck with phases or a reaction has no walls: the energy that a change of kind "
-                "takes out of a wall's contact is not counted; make the wall a fixed or driven body");
     }
 }

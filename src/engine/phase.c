@@ -82,11 +82,8 @@ void phase_apply(const struct model *m, struct particles *p)
     }
 }
 
-/* What the book of a bond holds, with the kinds and radii of one side of the change: u + f v_n dt/2 of the
- * potential and the same of the spring, so that the difference of two is the sum of law_freed and
- * law_spring_freed (law.h). v: of the pair but for the sizes; the status is from before the evaluation. */
-static double find_bond_book(const struct pair_law *law, const struct pair_view *v, bool linked,
-                             double stretch, double spring, double dt_path)
+double phase_bond_book(const struct pair_law *law, const struct pair_view *v, bool linked, double stretch,
+                       double spring, double dt_path)
 {
     double u = 0.0, f = 0.0, r0 = v->radius_i + v->radius_j, kt = linked ? law->kt_link : law->kt_contact;
     const struct bond bond = law_bond(law, r0);
@@ -128,10 +125,10 @@ static double find_bond_change(const struct model *m, const struct particles *p,
     was.radius_j = phase_radius(m, now.radius_j, p->kind[j], p->was[j]);
     was.w_i *= (now.radius_i * now.radius_i) / (was.radius_i * was.radius_i); /* as phase_become */
     was.w_j *= (now.radius_j * now.radius_j) / (was.radius_j * was.radius_j);
-    double before = find_bond_book(model_law(m, p->was[i], p->was[j], relation), &was, l->linked[entry],
+    double before = phase_bond_book(model_law(m, p->was[i], p->was[j], relation), &was, l->linked[entry],
+                                    l->stretch[entry], l->spring[entry], dt_path);
+    double after = phase_bond_book(model_law(m, p->kind[i], p->kind[j], relation), &now, l->linked[entry],
                                    l->stretch[entry], l->spring[entry], dt_path);
-    double after = find_bond_book(model_law(m, p->kind[i], p->kind[j], relation), &now, l->linked[entry],
-                                  l->stretch[entry], l->spring[entry], dt_path);
     return after - before;
 }
 

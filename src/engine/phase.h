@@ -9,6 +9,7 @@
 #define DM2_ENGINE_PHASE_H
 
 #include "dm2/base/status.h"
+#include "law.h"
 #include "lists.h"
 #include "particles.h"
 #include "tables.h"
@@ -32,6 +33,12 @@ void phase_follow(const struct model *m, struct particles *p, size_t i, size_t w
 /* Changes the phases of all owned elements by the pressure of the last evaluation and the present
  * temperature. */
 void phase_apply(const struct model *m, struct particles *p);
+
+/* What the book of a bond holds, with the kinds and radii of one side of a change: u + f v_n dt/2 of the
+ * potential and the same of the spring, so that the difference of two is the sum of law_freed and
+ * law_spring_freed (law.h). v: of the pair but for the sizes; the status is from before the evaluation. */
+double phase_bond_book(const struct pair_law *law, const struct pair_view *v, bool linked, double stretch,
+                       double spring, double dt_path);
 
 /* Books what the changes of kind take from the bonds (law_freed) in p->moved, half to each element, and
  * clears all marks. step: the step whose forces come next. DM2_MEMORY; DM2_NUMERIC: the energy of a bond is

@@ -278,6 +278,8 @@ enum dm2_status subdomain_forces(struct subdomain *sd, bool measure, struct dm2_
         loading_drive(sd->loading, sd->drives);
     walls_place(&sd->walls, m, sd->loading, sd->step);
     if (status == DM2_OK && m->has_kinds)
+        status = walls_account(&sd->walls, m, &sd->p, sd->step, leapfrog_path_time(m, sd->step), err);
+    if (status == DM2_OK && m->has_kinds)
         status = phase_account(m, &sd->p, &sd->lists, sd->step, err);
     if (status == DM2_OK && sd->pass.ahead)
         status = force_rest(&sd->pass, &sd->lists, sd->step, err);

@@ -108,6 +108,12 @@ enum dm2_status walls_evaluate(struct walls *ws, const struct model *m, const st
                                int64_t step, double dt_kick, double dt_path, struct pair_totals *totals,
                                struct dm2_error *err);
 
+/* After walls_place and before phase_account, which clears the marks: books what the changes of kind take
+ * from the contacts with walls, all of it in p->moved of the element. DM2_NUMERIC: an energy is out of range.
+ */
+enum dm2_status walls_account(const struct walls *ws, const struct model *m, const struct particles *p,
+                              int64_t step, double dt_path, struct dm2_error *err);
+
 /* Adds `share` of the work of the last evaluation to the work of the elements. */
 void walls_add_work(const struct walls *ws, const struct particles *p, double share);
 

@@ -447,9 +447,6 @@ TEST(what_walls_cannot_be_is_refused)
     check_refused(seam, "wall w { line = -10 -3 0 -4 10 -3; material = a; spin = 0.1 }", "cannot turn");
     check_refused("", "wall w { circle = 0 0 3; rigid = yes }\ninteraction a a { scope = all }", "scope");
     check_refused("", "wall w { circle = 0 0 3; material = a; temperature = -1 }", "'temperature' must be");
-    check_refused(
-        "", "phase a melt { transition = temperature; t_line = 500 }\nwall w { circle = 0 0 3; rigid = yes }",
-        "a deck with phases or a reaction has no walls");
 }
 
 TEST(what_ends_a_run_names_element_and_wall)

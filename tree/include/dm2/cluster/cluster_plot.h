@@ -1,0 +1,1 @@
+  #  include "dm2/plot/in_plot.h"

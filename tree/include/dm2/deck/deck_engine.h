@@ -1,0 +1,1 @@
+  #  include "dm2/engine/in_engine.h"

@@ -1,0 +1,1 @@
+# include "dm2/base/in_base.h"

@@ -1,0 +1,1 @@
+  #  include "dm2/cluster/in_cluster.h"

@@ -1,0 +1,1 @@
+  #  include "dm2/output/in_output.h"

@@ -1,0 +1,1 @@
+  #  include "dm2/deck/in_deck.h"

@@ -1,0 +1,2 @@
+#include <stdio.h>
+#include "dm2/base/in_base.h"

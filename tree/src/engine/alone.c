@@ -1,0 +1,1 @@
+#include "dm2/engine/alone.h"

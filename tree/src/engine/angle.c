@@ -1,0 +1,1 @@
+#include <dm2/net/in_net.h>

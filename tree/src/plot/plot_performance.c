@@ -1,0 +1,1 @@
+  #  include "dm2/performance/in_performance.h"
