@@ -1,10 +1,13 @@
 /* run.log keeps the heads of all sessions; a session without a line "ended" was killed. */
 #include "session.h"
 
+#include <errno.h>
+#include <fcntl.h>
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -40,14 +43,14 @@ static void put_quoted(struct bytes_writer *w, const char *word)
     put(w, "'");
 }
 
-/* Ends a text; malloc'd, "" where there was no memory, NULL where there is none at all. */
+/* Ends a text; malloc'd, NULL without memory. */
 static char *end_text(struct bytes_writer *w)
 {
     bytes_put_u8(w, 0);
     if (!w->failed)
         return (char *)w->data;
     bytes_free(w);
-    return text_join("", "", "");
+    return NULL;
 }
 
 char *session_command(const struct run_options *o)
@@ -137,19 +140,27 @@ static void put_now(struct bytes_writer *w, const char *name)
     put_line(w, "%s: %s", name, text);
 }
 
+/* By blocks, because a state may be as large as the memory. */
 bool session_digest(const char *path, char out[SHA256_TEXT])
 {
-    unsigned char *bytes = NULL, digest[SHA256_BYTES];
-    size_t n = 0;
+    unsigned char block[1 << 14], digest[SHA256_BYTES];
+    struct stat info;
     struct sha256 s;
+    ssize_t got = -1;
+    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     out[0] = '\0';
-    if (file_read(path, SIZE_MAX / 4, &bytes, &n, NULL) != DM2_OK)
+    if (fd < 0)
         return false;
     sha256_start(&s);
-    sha256_add(&s, bytes, n);
+    if (fstat(fd, &info) == 0 && S_ISREG(info.st_mode))
+        while ((got = read(fd, block, sizeof block)) > 0 || (got < 0 && errno == EINTR))
+            if (got > 0)
+                sha256_add(&s, block, (size_t)got);
+    close(fd);
+    if (got < 0)
+        return false;
     sha256_finish(&s, digest);
     sha256_text(digest, out);
-    free(bytes);
     return true;
 }
 
@@ -176,7 +187,8 @@ enum dm2_status session_begin(const struct run_options *o, const struct run *run
 {
     struct bytes_writer w = {0};
     char host[256] = "", digest[SHA256_TEXT], *command = session_command(o);
-    enum dm2_status status = write_deck(run, results, err);
+    enum dm2_status status = command == NULL ? dm2_fail(err, DM2_MEMORY, "no memory for the command line")
+                                             : write_deck(run, results, err);
     (void)gethostname(host, sizeof host - 1);
     sha256_text(run->origin.digest, digest);
     put_line(&w, "program: %s %s", o->program, DM2_VERSION);
@@ -203,7 +215,9 @@ enum dm2_status session_begin(const struct run_options *o, const struct run *run
 static void put_end(struct bytes_writer *w, const struct results *results, const char *name)
 {
     char digest[SHA256_TEXT], *path = text_join(results_directory(results), "/", name);
-    if (path != NULL && session_digest(path, digest))
+    if (path == NULL)
+        w->failed = true;
+    else if (session_digest(path, digest))
         put_line(w, "state: %s, SHA-256 %s", name, digest);
     put_now(w, "end");
     free(path);

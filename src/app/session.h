@@ -6,8 +6,8 @@
 #include "dm2/base/bytes.h"
 #include "run.h"
 
-/* The words of the command line in the form that a shell reads back, NUL-terminated, "" where there is no
- * memory. The caller frees the text. */
+/* The words of the command line in the form that a shell reads back, NUL-terminated, NULL without memory. The
+ * caller frees the text. */
 char *session_command(const struct run_options *o);
 
 /* Writes deck.dm2, the deck as one text, and adds the head of this session to run.log: command, release,
