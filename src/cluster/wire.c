@@ -237,6 +237,7 @@ void wire_put_measures(struct bytes_writer *w, const struct measures *m)
     bytes_put_u64(w, m->links);
     bytes_put_u64(w, m->contacts);
     bytes_put_u64(w, m->pairs);
+    bytes_put_u64(w, m->wall_contacts);
     put_sum(w, &m->fabric[0]);
     put_sum(w, &m->fabric[1]);
     bytes_put_u64(w, m->free_elements);
@@ -270,6 +271,7 @@ void wire_get_measures(struct bytes_reader *r, struct measures *out)
     out->links = bytes_get_u64(r);
     out->contacts = bytes_get_u64(r);
     out->pairs = bytes_get_u64(r);
+    out->wall_contacts = bytes_get_u64(r);
     get_sum(r, &out->fabric[0]);
     get_sum(r, &out->fabric[1]);
     out->free_elements = bytes_get_u64(r);

@@ -319,7 +319,8 @@ static void finish_probe(struct deck_binding *b, size_t block, void *item)
     if (probe->report == 0)
         probe->report = 1u << REPORT_POSITION | 1u << REPORT_VELOCITY |
                         (entry_of(b, block, "body") != NULL ? 1u << REPORT_FORCE : 0u);
-    if (probe->mover >= 0)
+    probe->wall = probe->mover >= (int)c->n_bodies;
+    if (probe->mover >= 0 && !probe->wall)
         shape_box(&c->bodies[probe->mover].shape, probe->box);
     for (const struct probe_config *p = c->probes; probe->mover < 0 && p <= probe; p++)
         probe->bit += p->mover < 0;

@@ -25,7 +25,8 @@ static const struct quantity_column {
     {"torque", REPORT_TORQUE, DIM(2, 1, -2, 0)},     {"spin", REPORT_SPIN, DIM(0, 0, -1, 0)},
     {"stress_xx", REPORT_STRESS, DIM(-1, 1, -2, 0)}, {"stress_yy", REPORT_STRESS, DIM(-1, 1, -2, 0)},
     {"stress_xy", REPORT_STRESS, DIM(-1, 1, -2, 0)}, {"temperature", REPORT_TEMPERATURE, DIM(0, 0, 0, 1)},
-    {"kinetic", REPORT_KINETIC, DIM(2, 1, -2, 0)},   {"porosity", REPORT_POROSITY, DIM(0, 0, 0, 0)}};
+    {"kinetic", REPORT_KINETIC, DIM(2, 1, -2, 0)},   {"porosity", REPORT_POROSITY, DIM(0, 0, 0, 0)},
+    {"heat", REPORT_HEAT, DIM(2, 1, -3, 0)}};
 enum { QUANTITIES = sizeof quantities / sizeof quantities[0] };
 
 /* --- words --- */

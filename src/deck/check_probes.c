@@ -29,6 +29,38 @@ static void check_region(const struct deck_binding *b, size_t i, bool shapes_kno
                            probe->name);
 }
 
+/* What a body or a wall does not report. */
+static void check_report(const struct deck_binding *b, size_t block, const struct probe_config *probe)
+{
+    static const struct {
+        enum probe_quantity quantity;
+        const char *word;
+    } not_of_walls[] = {
+        {REPORT_STRESS, "stress"}, {REPORT_KINETIC, "kinetic"}, {REPORT_POROSITY, "porosity"}};
+    const struct config *c = b->config;
+    struct deck_place place = binding_place(b, block, "report", 0);
+    if (!probe->wall && (probe->report >> REPORT_HEAT & 1u))
+        findings_error(b->findings, place, "'heat' is of a wall, and the probe '%s' is not: leave 'heat' out",
+                       probe->name);
+    if (probe->mover >= 0 && !probe->wall && (probe->report >> REPORT_POROSITY & 1u))
+        findings_error(b->findings, place,
+                       "'porosity' is of a region, and the probe '%s' is of a body: leave 'porosity' out",
+                       probe->name);
+    if (!probe->wall)
+        return;
+    const size_t wall = (size_t)probe->mover - c->n_bodies;
+    for (size_t k = 0; k < sizeof not_of_walls / sizeof not_of_walls[0]; k++)
+        if (probe->report >> not_of_walls[k].quantity & 1u)
+            findings_error(b->findings, place,
+                           "'%s' is of elements, and the probe '%s' is of the wall '%s': leave '%s' out",
+                           not_of_walls[k].word, probe->name, c->walls[wall].name, not_of_walls[k].word);
+    if ((probe->report >> REPORT_TEMPERATURE & 1u) && !config_wall_conducts(c, wall))
+        findings_error(b->findings, place,
+                       "the wall '%s' of the probe '%s' has no temperature: give the wall one, or leave "
+                       "'temperature' out",
+                       c->walls[wall].name, probe->name);
+}
+
 void check_probes(const struct deck_binding *b, bool shapes_known)
 {
     size_t regions = 0;
@@ -40,10 +72,11 @@ void check_probes(const struct deck_binding *b, bool shapes_known)
             findings_error(b->findings, binding_place(b, block, "body", 0),
                            "give 'region' or 'body', not both");
         else if (binding_missing(b, block, "region") && binding_missing(b, block, "body"))
-            findings_error(b->findings, binding_place(b, block, "region", 0),
-                           "the probe '%s' lacks 'body' or 'region': give the body, or x0 y0 x1 y1 of the "
-                           "elements that are measured",
-                           probe->name);
+            findings_error(
+                b->findings, binding_place(b, block, "region", 0),
+                "the probe '%s' lacks 'body' or 'region': give the body or wall, or x0 y0 x1 y1 of the "
+                "elements that are measured",
+                probe->name);
         else if (region)
             check_region(b, i, shapes_known);
         regions += probe->mover < 0;
@@ -53,9 +86,6 @@ void check_probes(const struct deck_binding *b, bool shapes_known)
                 "the deck has more than %d blocks 'probe' of regions; a probe of a body has no such "
                 "limit",
                 REGION_MAX);
-        if (body && (probe->report >> REPORT_POROSITY & 1u))
-            findings_error(b->findings, binding_place(b, block, "report", 0),
-                           "'porosity' is of a region, and the probe '%s' is of a body: leave 'porosity' out",
-                           probe->name);
+        check_report(b, block, probe);
     }
 }

@@ -6,6 +6,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <math.h>
 #include <string.h>
 
 #include "interaction_rule.h"
@@ -81,6 +82,11 @@ const char *config_mover_name(const struct config *c, size_t mover)
 const double *config_velocity(const struct config *c, size_t mover)
 {
     return mover < c->n_bodies ? c->bodies[mover].velocity : c->walls[mover - c->n_bodies].velocity;
+}
+
+bool config_wall_conducts(const struct config *c, size_t wall)
+{
+    return !isnan(c->walls[wall].temperature) || config_load(c, c->n_bodies + wall, LOAD_TEMPERATURE) != NULL;
 }
 
 const struct load_config *config_load(const struct config *c, size_t mover, enum load_quantity quantity)

@@ -201,6 +201,10 @@ static bool put_value(struct writer *w, const struct deck_key *key, const void *
         int body = *(const int *)at;
         return body >= 0 && put_word(w, w->config->bodies[body].name);
     }
+    case VALUE_MOVER: {
+        int mover = *(const int *)at;
+        return mover >= 0 && put_word(w, config_mover_name(w->config, (size_t)mover));
+    }
     case VALUE_BODIES:
         return put_bodies(w, *(const bool *const *)at);
     case VALUE_MOVERS:
@@ -253,7 +257,8 @@ static int compare_names(const void *a, const void *b)
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-/* The keywords of an item that are written: the region of a probe of a body is only where the body started.
+/* The keywords of an item that are written: the region of a probe of a body or wall is only where the body
+ * started.
  */
 static uint32_t keywords_of(enum block_kind kind, const void *item)
 {

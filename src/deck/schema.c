@@ -297,11 +297,11 @@ static const struct deck_key wall_keys[] = {
 static const struct deck_key probe_keys[] = {
     {"region", VALUE_REAL, 4, LENGTH, ANY, .initial = "none: give `body`", FIELD(box),
      .meaning = "`x0 y0 x1 y1`: the elements that start in it are averaged; half-open, x0 <= x < x1"},
-    {"body", VALUE_BODY, 1, PLAIN, ANY, .initial = "none: give `region`", FIELD(mover), .part = PART_COLUMNS,
-     .meaning = "the body that is measured"},
+    {"body", VALUE_MOVER, 1, PLAIN, ANY, .initial = "none: give `region`", FIELD(mover), .part = PART_COLUMNS,
+     .meaning = "the body or wall that is measured"},
     {"report", VALUE_SET, 1, PLAIN, ANY,
-     .choices = "position|velocity|force|torque|spin|stress|temperature|kinetic|porosity",
-     .initial = "position, velocity, and force of a body", FIELD(report), .part = PART_COLUMNS,
+     .choices = "position|velocity|force|torque|spin|stress|temperature|kinetic|porosity|heat",
+     .initial = "position, velocity, and force of a body or wall", FIELD(report), .part = PART_COLUMNS,
      .meaning = "the columns, below"},
 };
 #undef FIELD

@@ -40,6 +40,7 @@ enum value_type {
     VALUE_MATERIALS, /* `count` names of materials, stored as ints, the indices of the materials */
     VALUE_NAME,      /* one word, stored as a name_text */
     VALUE_BODY,      /* the name of a body */
+    VALUE_MOVER,     /* the name of a body or a wall, stored as an int, the index of the mover */
     VALUE_MOVERS,    /* `count` names of bodies or walls, stored as size_t, the indices of the movers */
     VALUE_FILE,      /* a file name in quotes */
     VALUE_POINTS,    /* pairs of a time and a value of the dimension, stored as a struct load_points */

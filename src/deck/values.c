@@ -358,6 +358,15 @@ static bool read_body(struct deck_binding *b, const struct deck_key *key, const 
     return *out >= 0;
 }
 
+static bool read_mover(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
+                       int *out)
+{
+    if (!check_count(b, key, entry, 1))
+        return false;
+    *out = binding_mover(b, word_at(b, entry, 0));
+    return *out >= 0;
+}
+
 static bool read_mix(struct deck_binding *b, const struct deck_key *key, const struct deck_entry *entry,
                      struct body_config *body)
 {
@@ -468,6 +477,8 @@ static bool read_value(struct deck_binding *b, const struct deck_key *key, struc
         return read_name(b, key, entry, at);
     case VALUE_BODY:
         return read_body(b, key, entry, at);
+    case VALUE_MOVER:
+        return read_mover(b, key, entry, at);
     case VALUE_MOVERS:
         return read_movers(b, key, entry, at);
     case VALUE_FILE:

@@ -14,9 +14,9 @@
 struct pair_totals {
     struct exact_sum potential, elastic; /* shift: measure_scales.energy */
     uint64_t links, contacts;
-    uint64_t pairs, loaded_pairs; /* as in struct measures */
-    struct exact_sum fabric[2];   /* likewise */
-    struct exact_sum magnitudes;  /* likewise */
+    uint64_t pairs, wall_contacts, loaded_pairs; /* as in struct measures */
+    struct exact_sum fabric[2];                  /* likewise */
+    struct exact_sum magnitudes;                 /* likewise */
 };
 
 /* Evaluates every pair at the present positions and the velocities of the half step before: fills far_sum and

@@ -38,6 +38,7 @@ void measures_merge(struct measures *m, const struct measures *part)
     m->links += part->links;
     m->contacts += part->contacts;
     m->pairs += part->pairs;
+    m->wall_contacts += part->wall_contacts;
     exact_merge(&m->fabric[0], &part->fabric[0]);
     exact_merge(&m->fabric[1], &part->fabric[1]);
     m->free_elements += part->free_elements;
@@ -63,15 +64,16 @@ double measures_unbalanced(const struct measures *m, const struct measure_scales
 
 double measures_coordination(const struct measures *m)
 {
-    return 2.0 * (double)m->pairs / (double)m->elements;
+    return (2.0 * (double)m->pairs + (double)m->wall_contacts) / (double)m->elements;
 }
 
 void measures_fabric(const struct measures *m, double fabric[3])
 {
-    double n = (double)m->contacts;
-    struct exact_sum yy = {.hi = ~m->fabric[0].hi, .lo = ~m->fabric[0].lo}; /* contacts - xx */
+    uint64_t pairs = m->contacts - m->wall_contacts;
+    double n = (double)pairs;
+    struct exact_sum yy = {.hi = ~m->fabric[0].hi, .lo = ~m->fabric[0].lo}; /* pairs - xx */
     exact_add_units(&yy, 1, 0);
-    exact_add_units(&yy, (int64_t)m->contacts, FABRIC_SHIFT);
+    exact_add_units(&yy, (int64_t)pairs, FABRIC_SHIFT);
     fabric[0] = exact_value(&m->fabric[0], FABRIC_SHIFT) / n;
     fabric[1] = exact_value(&yy, FABRIC_SHIFT) / n;
     fabric[2] = exact_value(&m->fabric[1], FABRIC_SHIFT) / n;

@@ -29,6 +29,7 @@ const struct probe_column probe_columns[PROBE_COLUMNS] = {
     {"temperature", "K", REPORT_TEMPERATURE},
     {"kinetic", "g cm2/us2", REPORT_KINETIC},
     {"porosity", "", REPORT_POROSITY},
+    {"heat", "g cm2/us3", REPORT_HEAT},
 };
 
 /* --- which sums --- */
@@ -38,18 +39,20 @@ uint32_t probe_needs(const struct probe_config *p)
     const uint32_t centre = BIT(PROBE_MASS) | BIT(PROBE_MX) | BIT(PROBE_MY);
     const uint32_t momentum = BIT(PROBE_MASS) | BIT(PROBE_PX) | BIT(PROBE_PY);
     const uint32_t force = BIT(PROBE_FX) | BIT(PROBE_FY);
-    const bool region = p->mover < 0;
+    const bool region = p->mover < 0 || p->wall;
     const uint32_t of[REPORT_COUNT] = {
         [REPORT_POSITION] = region ? BIT(PROBE_X) | BIT(PROBE_Y) : centre,
         [REPORT_VELOCITY] = region ? BIT(PROBE_VX) | BIT(PROBE_VY) : momentum,
         [REPORT_FORCE] = force,
-        [REPORT_TORQUE] = centre | force | BIT(PROBE_TORQUE),
-        [REPORT_SPIN] = centre | momentum | BIT(PROBE_ANGULAR) | BIT(PROBE_INERTIA),
+        [REPORT_TORQUE] = p->wall ? BIT(PROBE_TORQUE) : centre | force | BIT(PROBE_TORQUE),
+        [REPORT_SPIN] =
+            p->wall ? BIT(PROBE_SPIN) : centre | momentum | BIT(PROBE_ANGULAR) | BIT(PROBE_INERTIA),
         [REPORT_STRESS] =
             BIT(PROBE_STRESS_XX) | BIT(PROBE_STRESS_YY) | BIT(PROBE_STRESS_XY) | BIT(PROBE_VOLUME),
         [REPORT_TEMPERATURE] = BIT(PROBE_TEMPERATURE),
         [REPORT_KINETIC] = BIT(PROBE_KINETIC),
         [REPORT_POROSITY] = BIT(PROBE_AREA),
+        [REPORT_HEAT] = BIT(PROBE_HEAT),
     };
     uint32_t needs = 0;
     for (int q = 0; q < REPORT_COUNT; q++)
@@ -81,6 +84,8 @@ int probe_shift(const struct measure_scales *s, enum probe_sum sum)
         [PROBE_TEMPERATURE] = s->temperature,
         [PROBE_KINETIC] = s->energy,
         [PROBE_AREA] = s->volume,
+        [PROBE_SPIN] = s->spin,
+        [PROBE_HEAT] = s->energy,
     };
     return shift[sum];
 }
@@ -100,6 +105,8 @@ int probes_build(struct probe_table *t, const struct config *c)
     for (size_t p = 0; p < c->n_probes; p++) {
         const struct probe_config *probe = &c->probes[p];
         t->needs[p] = probe_needs(probe);
+        if (probe->wall)
+            continue; /* wall_memory.c */
         if (probe->mover >= 0)
             t->of_body[probe->mover] |= UINT64_C(1) << p;
         else
@@ -117,8 +124,7 @@ void probes_free(struct probe_table *t)
 
 /* --- the sums of an element --- */
 
-/* Adds a value to a sum where the probe needs the sum. */
-static bool add(struct probe_sums *out, const struct measure_scales *s, enum probe_sum sum, double value)
+bool probe_add(struct probe_sums *out, const struct measure_scales *s, enum probe_sum sum, double value)
 {
     return (out->needs & BIT(sum)) == 0 || exact_add(&out->sum[sum], value, probe_shift(s, sum));
 }
@@ -144,9 +150,9 @@ static bool add_turning(const struct model *m, const struct particles *p, size_t
     double torque = m->has_near && m->has_spin
                         ? (double)p->pair_sum[SUM_COUNT * i + SUM_TORQUE] * m->fixed.over_torque
                         : 0.0;
-    bool fits = add(out, s, PROBE_ANGULAR, mass * (r[0] * at->v[1] - r[1] * at->v[0]) + spin);
-    fits &= add(out, s, PROBE_INERTIA, mass * (r[0] * r[0] + r[1] * r[1] + 0.5 * radius2));
-    return fits & add(out, s, PROBE_TORQUE, r[0] * at->force[1] - r[1] * at->force[0] + torque);
+    bool fits = probe_add(out, s, PROBE_ANGULAR, mass * (r[0] * at->v[1] - r[1] * at->v[0]) + spin);
+    fits &= probe_add(out, s, PROBE_INERTIA, mass * (r[0] * r[0] + r[1] * r[1] + 0.5 * radius2));
+    return fits & probe_add(out, s, PROBE_TORQUE, r[0] * at->force[1] - r[1] * at->force[0] + torque);
 }
 
 static bool add_stress(const struct model *m, const struct particles *p, size_t i, struct probe_sums *out)
@@ -154,9 +160,9 @@ static bool add_stress(const struct model *m, const struct particles *p, size_t 
     const struct measure_scales *s = &m->scales;
     double stress[3], d = 2.0 * p->radius[i], volume = 0x1.bb67ae8584caap-1 * (d * d); /* sqrt(3)/2 d^2 h */
     leapfrog_stress(m, p, i, stress);
-    bool fits = add(out, s, PROBE_VOLUME, volume);
+    bool fits = probe_add(out, s, PROBE_VOLUME, volume);
     for (int a = 0; a < 3; a++)
-        fits &= add(out, s, (enum probe_sum)(PROBE_STRESS_XX + a), stress[a] * volume);
+        fits &= probe_add(out, s, (enum probe_sum)(PROBE_STRESS_XX + a), stress[a] * volume);
     return fits;
 }
 
@@ -171,14 +177,14 @@ static bool add_element(const struct model *m, const struct particles *p, size_t
     out->count++;
     for (int a = 0; a < 2; a++) {
         r[a] = at->r[a] - origin[a];
-        fits &= add(out, s, (enum probe_sum)(PROBE_X + a), r[a]);
-        fits &= add(out, s, (enum probe_sum)(PROBE_VX + a), at->v[a]);
-        fits &= add(out, s, (enum probe_sum)(PROBE_MX + a), mass * r[a]);
-        fits &= add(out, s, (enum probe_sum)(PROBE_PX + a), mass * at->v[a]);
+        fits &= probe_add(out, s, (enum probe_sum)(PROBE_X + a), r[a]);
+        fits &= probe_add(out, s, (enum probe_sum)(PROBE_VX + a), at->v[a]);
+        fits &= probe_add(out, s, (enum probe_sum)(PROBE_MX + a), mass * r[a]);
+        fits &= probe_add(out, s, (enum probe_sum)(PROBE_PX + a), mass * at->v[a]);
     }
-    fits &= add(out, s, PROBE_MASS, mass);
-    fits &= add(out, s, PROBE_TEMPERATURE, at->temperature);
-    fits &= add(out, s, PROBE_KINETIC, at->kinetic);
+    fits &= probe_add(out, s, PROBE_MASS, mass);
+    fits &= probe_add(out, s, PROBE_TEMPERATURE, at->temperature);
+    fits &= probe_add(out, s, PROBE_KINETIC, at->kinetic);
     if (out->needs & BIT(PROBE_FX))
         add_force(m, p, i, out);
     if (out->needs & (BIT(PROBE_TORQUE) | BIT(PROBE_INERTIA)))
@@ -202,7 +208,7 @@ static bool add_area(const struct model *m, const struct particles *p, size_t i,
         const double *box = c->probes[k].box;
         const struct shape_config region = {.kind = SHAPE_RECTANGLE, .box = {box[0], box[1], box[2], box[3]}};
         if ((m->probes.porous >> k & 1) && shape_contains_image(&region, c, p->r + 2 * i, 0.0))
-            fits &= add(&out->probe[k], &m->scales, PROBE_AREA, probe_disc_area(p->radius[i]));
+            fits &= probe_add(&out->probe[k], &m->scales, PROBE_AREA, probe_disc_area(p->radius[i]));
         if (k + 1 == m->probes.n)
             break;
     }
@@ -253,7 +259,7 @@ static double find_spin(const double sum[PROBE_SUMS], const double centre[2])
 void probe_values(const struct probe_config *p, const struct measure_scales *scales,
                   const struct probe_sums *sums, double values[PROBE_COLUMNS])
 {
-    const bool region = p->mover < 0;
+    const bool region = p->mover < 0 || p->wall;
     double sum[PROBE_SUMS], origin[2], centre[2], count = (double)sums->count;
     double width = p->box[2] - p->box[0], height = p->box[3] - p->box[1];
     for (int k = 0; k < PROBE_SUMS; k++)
@@ -269,13 +275,15 @@ void probe_values(const struct probe_config *p, const struct measure_scales *sca
         *v++ = region ? sum[PROBE_VX + a] / count : sum[PROBE_PX + a] / sum[PROBE_MASS];
     *v++ = sum[PROBE_FX];
     *v++ = sum[PROBE_FY];
-    *v++ = sum[PROBE_TORQUE] - (centre[0] * sum[PROBE_FY] - centre[1] * sum[PROBE_FX]);
-    *v++ = find_spin(sum, centre);
+    *v++ = p->wall ? sum[PROBE_TORQUE]
+                   : sum[PROBE_TORQUE] - (centre[0] * sum[PROBE_FY] - centre[1] * sum[PROBE_FX]);
+    *v++ = p->wall ? sum[PROBE_SPIN] : find_spin(sum, centre);
     for (int a = 0; a < 3; a++)
         *v++ = sum[PROBE_STRESS_XX + a] / sum[PROBE_VOLUME];
     *v++ = sum[PROBE_TEMPERATURE] / count;
     *v++ = sum[PROBE_KINETIC];
     *v++ = 1.0 - sum[PROBE_AREA] / (width * height);
+    *v++ = sum[PROBE_HEAT];
     for (int k = 0; k < PROBE_COLUMNS; k++)
         values[k] = p->report >> probe_columns[k].quantity & 1u ? number_plus_zero(values[k]) : 0.0;
 }

@@ -26,6 +26,9 @@ void probes_start(const struct model *m, struct measures *out);
 bool probes_add(const struct model *m, const struct particles *p, size_t i, const struct probe_sample *at,
                 struct measures *out);
 
+/* Adds a value to a sum where the probe needs the sum. False where the value leaves the range of the sum. */
+bool probe_add(struct probe_sums *out, const struct measure_scales *s, enum probe_sum sum, double value);
+
 /* pi R^2, cm2. */
 double probe_disc_area(double radius);
 

@@ -128,6 +128,8 @@ void scales_choose(struct model *m)
     m->scales.inertia = 118 - e;
     (void)frexp(r0 * r0 * (double)m->n_elements, &e);
     m->scales.volume = 118 - e;
+    (void)frexp(1e6 / c->dt, &e); /* a bound: no wall turns more often than its steps */
+    m->scales.spin = 110 - e;
     (void)frexp(1e12 * (double)m->n_elements, &e); /* a bound: no element is hotter than 1e12 K */
     m->scales.temperature = 118 - e;
 }

@@ -335,6 +335,7 @@ static enum dm2_status integrate_motion(struct subdomain *sd, bool drift, double
         out->links = sd->totals.links;
         out->contacts = sd->totals.contacts;
         out->pairs = sd->totals.pairs;
+        out->wall_contacts = sd->totals.wall_contacts;
         out->loaded_pairs = sd->totals.loaded_pairs;
         out->magnitudes = sd->totals.magnitudes;
         memcpy(out->fabric, sd->totals.fabric, sizeof out->fabric);
@@ -346,6 +347,8 @@ static enum dm2_status integrate_motion(struct subdomain *sd, bool drift, double
     double share = sd->step == 0 ? 0.0 : 0.5; /* of the work counts at the whole step */
     walls_add_work(&sd->walls, &sd->p, share);
     enum dm2_status status = leapfrog_move(sd->model, &sd->p, sd->step, drift, dmax, out, err);
+    if (status == DM2_OK && out != NULL && sd->model->n_walls > 0)
+        status = wall_probes_add(sd, out, err);
     if (status == DM2_OK && drift && sd->model->n_walls > 0) {
         double moved = walls_moved(sd->model, sd->loading, sd->step);
         *dmax = moved > *dmax ? moved : *dmax;

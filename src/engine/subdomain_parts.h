@@ -182,6 +182,10 @@ int wall_memory_send(struct subdomain *sd, const int32_t *destination);
 int wall_memory_carry(struct subdomain *sd, const struct parcel *parcels, size_t n_parcels,
                       const uint32_t *moved);
 
+/* Adds to *out, for the probes of walls, what the owned elements did to these; rank 0 adds how the walls
+ * move. DM2_NUMERIC: a value leaves the range of its sum. */
+enum dm2_status wall_probes_add(const struct subdomain *sd, struct measures *out, struct dm2_error *err);
+
 /* Appends the memory of the owned elements' contacts with walls to *out, sorted. DM2_MEMORY. */
 enum dm2_status wall_memory_collect(const struct subdomain *sd, struct section_array *out,
                                     struct dm2_error *err);

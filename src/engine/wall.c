@@ -82,7 +82,6 @@ void wall_sums_merge(struct wall_sums *into, const struct wall_sums *part)
     exact_merge(&into->force[1], &part->force[1]);
     exact_merge(&into->torque, &part->torque);
     exact_merge(&into->heat, &part->heat);
-    exact_merge(&into->magnitude, &part->magnitude);
     into->contacts += part->contacts;
 }
 
@@ -282,10 +281,9 @@ static bool add_effect(const struct wall_pass *a, size_t i, size_t wall, const s
     force[1] = (double)fy * s->over_force;
     exact_add_units(&on->force[0], -fx, 0);
     exact_add_units(&on->force[1], -fy, 0);
-    exact_add_units(&on->magnitude, sign * to_fixed(sqrt(e->fn * e->fn + e->ft * e->ft) * s->force), 0);
     double torque = at->lever[1] * force[0] - at->lever[0] * force[1];
     return exact_add(&on->torque, torque, a->m->scales.energy) &&
-           exact_add(&on->heat, sign * e->exchange, a->m->scales.energy);
+           exact_add(&on->heat, sign * e->exchange / a->dt_kick, a->m->scales.energy);
 }
 
 /* Adds what a measuring step asks for. The branch of a wall's contact reaches from the foot to the centre; in
@@ -308,6 +306,12 @@ static bool measure_contact(const struct wall_pass *a, size_t i, const struct wa
     exact_add_units(&a->totals->potential, sign * to_fixed(e->potential * s->energy), s->energy_left);
     exact_add_units(&a->totals->elastic, sign * to_fixed(e->elastic * s->energy), s->energy_left);
     a->totals->contacts += (uint64_t)(int64_t)sign;
+    a->totals->wall_contacts += (uint64_t)(int64_t)sign;
+    if ((a->p->flags[i] & ELEMENT_FIXED_MOTION) == 0) {
+        double magnitude = sqrt(e->fn * e->fn + e->ft * e->ft) * s->force;
+        a->totals->loaded_pairs += (uint64_t)(int64_t)sign;
+        exact_add_units(&a->totals->magnitudes, sign * to_fixed(magnitude), s->energy_left);
+    }
     return true;
 }
 

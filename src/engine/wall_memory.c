@@ -1,9 +1,12 @@
-/* The memory of wall contacts in a rebuild and in states. */
+/* The memory of wall contacts in a rebuild and in states; what walls felt, for probes. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "dm2/base/mem.h"
 #include "id_order.h"
+#include "motion.h"
+#include "probes.h"
 #include "subdomain_parts.h"
 
 /* --- rebuilds --- */
@@ -97,6 +100,62 @@ struct wall_load subdomain_wall_load(const struct model *m, const struct wall_su
     return (struct wall_load){
         .force = {exact_value(&sums->force[0], 0) * over, exact_value(&sums->force[1], 0) * over},
         .torque = exact_value(&sums->torque, m->scales.energy),
-        .heat = exact_value(&sums->heat, m->scales.energy),
-        .magnitude = exact_value(&sums->magnitude, 0) * over};
+        .heat = exact_value(&sums->heat, m->scales.energy)};
+}
+
+/* *x times 2^left, 0 < left < 64. */
+static struct exact_sum shifted(const struct exact_sum *x, int left)
+{
+    return (struct exact_sum){.hi = (int64_t)((uint64_t)x->hi << left | x->lo >> (64 - left)),
+                              .lo = x->lo << left};
+}
+
+/* How the wall moves at the whole step. */
+static bool add_motion(const struct subdomain *sd, const struct wall *w, struct probe_sums *out)
+{
+    const struct model *m = sd->model;
+    const struct wall_pose *pose = &sd->walls.pose[w - m->walls];
+    double before = sd->step == m->config->n_start ? 1.0 : 0.5, behind = 1.0 - before;
+    bool fits = true;
+    out->count++;
+    for (int a = 0; a < 2; a++) {
+        fits &= probe_add(out, &m->scales, (enum probe_sum)(PROBE_X + a), w->centre[a] + pose->d[a]);
+        fits &= probe_add(out, &m->scales, (enum probe_sum)(PROBE_VX + a),
+                          before * pose->v[a] + behind * pose->next_v[a]);
+    }
+    fits &= probe_add(out, &m->scales, PROBE_SPIN, before * pose->spin + behind * pose->next_spin);
+    return fits &
+           (isnan(pose->temperature) || probe_add(out, &m->scales, PROBE_TEMPERATURE, pose->temperature));
+}
+
+enum dm2_status wall_probes_add(const struct subdomain *sd, struct measures *out, struct dm2_error *err)
+{
+    const struct model *m = sd->model;
+    for (size_t k = 0; k < m->config->n_probes; k++) {
+        const struct probe_config *p = &m->config->probes[k];
+        struct exact_sum force[2];
+        if (!p->wall)
+            continue;
+        const struct wall *w = &m->walls[(size_t)p->mover - m->config->n_bodies];
+        const struct wall_sums *felt = &sd->walls.sums[w - m->walls];
+        struct probe_sums *sums = &out->probe[k];
+        for (int a = 0; a < 2; a++)
+            force[a] = shifted(&felt->force[a], m->fixed.energy_left);
+        const struct {
+            enum probe_sum sum;
+            const struct exact_sum *from;
+        } part[] = {{PROBE_FX, &force[0]},
+                    {PROBE_FY, &force[1]},
+                    {PROBE_TORQUE, &felt->torque},
+                    {PROBE_HEAT, &felt->heat}};
+        for (size_t s = 0; s < sizeof part / sizeof part[0]; s++)
+            if (sums->needs >> part[s].sum & 1u)
+                exact_merge(&sums->sum[part[s].sum], part[s].from);
+        if (sd->rank == 0 && !add_motion(sd, w, sums))
+            return dm2_fail(err, DM2_NUMERIC,
+                            "step %lld: the wall '%s' has left the range that sums can hold, a million times "
+                            "the domain: end the run earlier",
+                            (long long)sd->step, w->config->name);
+    }
+    return DM2_OK;
 }

@@ -36,6 +36,7 @@ static void value_text(const struct deck_key *key, char *out, size_t size)
         break;
     case VALUE_MATERIAL:
     case VALUE_BODY:
+    case VALUE_MOVER:
         (void)snprintf(out, size, "name");
         break;
     case VALUE_MATERIALS:

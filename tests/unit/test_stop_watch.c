@@ -148,13 +148,20 @@ TEST(the_columns_of_probes)
     static const char deck[] =
         "domain { size = 9 9; r_c = 1.1; delta_r = 0.1 }\ntime { dt = 0.1; steps = 1 }\n"
         "material M { mass = 1 }\ninteraction { potential = quadratic; k = 1 }\n"
-        "body lid { shape = rectangle 2 2 4 4; spacing = 1; material = M }\n";
+        "body lid { shape = rectangle 2 2 4 4; spacing = 1; material = M }\n"
+        "wall plane { line = 0 1 9 1; material = M }\n";
     static const char all[] = "position, velocity, force, torque, spin, stress, temperature, kinetic";
     for (int k = 0; k < PROBE_COLUMNS; k++) {
         char text[800], column[80];
-        bool region = probe_columns[k].quantity == REPORT_POROSITY;
+        bool region = probe_columns[k].quantity == REPORT_POROSITY,
+             wall = probe_columns[k].quantity == REPORT_HEAT;
         snprintf(text, sizeof text, "%sprobe p { %s; report = %s }\nstop { probe = p %s above 0.25 }\n", deck,
-                 region ? "region = 2 2 3 3" : "body = lid", region ? "porosity" : all,
+                 region ? "region = 2 2 3 3"
+                 : wall ? "body = plane"
+                        : "body = lid",
+                 region ? "porosity"
+                 : wall ? "heat"
+                        : all,
                  probe_columns[k].suffix);
         struct loaded d = load_text(text, NULL, -1);
         CHECK_REPORT(d.status == DM2_OK, "%s", d.status == DM2_OK ? "" : d.report.text);

@@ -348,14 +348,13 @@ TEST(the_sums_of_walls_are_those_of_the_elements)
     engine_start(&g, many, NULL, 1);
     engine_run(&g, 1500);
     engine_step(&g, &before);
-    struct wall_load load = {{0}, 0, 0, 0};
+    struct wall_load load = {{0}, 0, 0};
     double mass = 0.0;
     engine_must(&g, engine_forces(&g, true));
     for (int w = 0; w < 3; w++) {
         struct wall_load one = subdomain_wall_load(g.model, &subdomain_wall_sums(g.sd[0])[w]);
         load.force[0] += one.force[0];
         load.force[1] += one.force[1];
-        CHECK(one.magnitude >= hypot(one.force[0], one.force[1]) * (1.0 - 1e-9));
     }
     struct engine_state was = engine_collect(&g, false);
     engine_must(&g, engine_move(&g, &after));

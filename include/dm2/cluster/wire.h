@@ -24,7 +24,7 @@ enum {
     WIRE_CRACK = 34,                   /* a struct crack */
     WIRE_MEASURED = 56,                /* a struct element_measure */
     WIRE_FORCE = 32,                   /* a struct pair_measure */
-    WIRE_MEASURES = 330,               /* the measures without their probes */
+    WIRE_MEASURES = 338,               /* the measures without their probes */
     WIRE_BIN = 8 + 9 * 16              /* a struct profile_bin */
 };
 

@@ -202,18 +202,21 @@ enum probe_quantity {
     REPORT_TEMPERATURE,
     REPORT_KINETIC,
     REPORT_POROSITY,
+    REPORT_HEAT,
     REPORT_COUNT
 };
 
 /* probe NAME { region = x0 y0 x1 y1 } or { body = NAME }: the elements that start in the region, or those of
- * the body. What they report are columns of history.csv. At most REGION_MAX probes are of regions. */
+ * the body; or a wall. What they report are columns of history.csv. At most REGION_MAX probes are of regions.
+ */
 enum { REGION_MAX = 8 };
 struct probe_config {
     name_text name;
-    double box[4];   /* the region; of a body, the box around its shape */
-    int mover;       /* index of the body; -1: of a region */
-    int bit;         /* of element.probes, 0 to REGION_MAX - 1; -1: of a body */
-    uint32_t report; /* default position and velocity, and force of a body */
+    double box[4];   /* the region; of a body, the box around its shape; of a wall, 0 */
+    int mover;       /* of bodies, then walls; -1: of a region */
+    bool wall;       /* the mover is a wall */
+    int bit;         /* of element.probes, 0 to REGION_MAX - 1; -1: of a body or wall */
+    uint32_t report; /* default position and velocity, and force of a body or wall */
 };
 
 /* stop { ... }: the run ends when all conditions of one such block hold at a row of history.csv, and have
@@ -275,8 +278,8 @@ struct config {
     enum search_kind search;
     int64_t rebuild_every; /* 0: lists are rebuilt when the displacements demand it; K: also every K steps */
     enum balance_kind balance;
-    double dt;      /* us */
-    char *dt_place; /* place of `dt` in the deck, for config_fail; NULL: unknown */
+    double dt;          /* us */
+    char *dt_place;     /* place of `dt` in the deck, for config_fail; NULL: unknown */
     int64_t steps;      /* fewer than deck_steps where a block `stop` has ended the run */
     int64_t deck_steps; /* as the deck or --steps says */
     int64_t n_start; /* the step with which the run's stage begins, its first one; 0 without a stage before */
@@ -320,6 +323,9 @@ const char *config_mover_name(const struct config *c, size_t mover);
 
 /* The velocity of the block of a mover, x and y, cm/us. */
 const double *config_velocity(const struct config *c, size_t mover);
+
+/* Has the wall a temperature, set or by a load, so that it conducts? */
+bool config_wall_conducts(const struct config *c, size_t wall);
 
 /* The load with this quantity of this mover; NULL: none. */
 const struct load_config *config_load(const struct config *c, size_t mover, enum load_quantity quantity);

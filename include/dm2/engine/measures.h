@@ -14,7 +14,7 @@
 /* The shift (dm2/base/exact.h) of each kind of sum. All follow from the deck, so that all servers have the
  * same. */
 struct measure_scales {
-    int energy, momentum, length, velocity, mass, volume, temperature, force, moment, inertia;
+    int energy, momentum, length, velocity, mass, volume, temperature, force, moment, inertia, spin;
 };
 
 /* The shift of the sums of `fabric`. */
@@ -25,14 +25,15 @@ struct measures {
     struct exact_sum chemical; /* energy that the remaining reactants can still release */
     struct exact_sum phase;    /* latent heats, and energy that changes of kind took out of bonds and spin */
     struct exact_sum work;     /* energy that body force and driven elements put in */
-    struct exact_sum damped;      /* energy that local damping took */
+    struct exact_sum damped;   /* energy that local damping took */
     struct exact_sum momentum[2]; /* g cm/us */
     struct exact_sum angular;     /* angular momentum about the origin, orbital and spin */
     uint64_t elements, links, contacts;
-    uint64_t pairs;                          /* that touch or are linked */
+    uint64_t pairs;                          /* of elements that touch or are linked */
+    uint64_t wall_contacts;                  /* of elements with walls; `contacts` counts them too */
     struct exact_sum fabric[2];              /* n n of the pairs that touch, xx and xy */
-    uint64_t free_elements, loaded_pairs;    /* pairs: with an element that is free; 0 elements where a
-                                                potential of scope `all` acts */
+    uint64_t free_elements, loaded_pairs;    /* pairs and contacts with walls: with an element that is free; 0
+                                                elements where a    potential of scope `all` acts */
     struct exact_sum resultants, magnitudes; /* |force| of these elements, and in these pairs, Mbar cm2 */
     double t_max;                            /* K; -inf without elements */
     double p_min, p_max;                     /* Mbar; +inf and -inf without elements */
@@ -46,15 +47,17 @@ struct measures {
 void measures_clear(struct measures *m);
 
 /* The mean resultant force of the free elements, with gravity, over the mean force in the pairs that touch or
- * are linked and have a free element. NaN without a free element or such a pair, and where a potential of
+ * are linked and have a free element, and in the contacts of free elements with walls. NaN without a free
+ * element or such a force, and where a potential of
  * scope `all` acts. Near 0: the elements are in equilibrium. */
 double measures_unbalanced(const struct measures *m, const struct measure_scales *scales);
 
-/* Pairs that touch or are linked per element, each counted for both elements; NaN without elements. */
+/* Pairs that touch or are linked per element, each counted for both elements, and contacts with walls per
+ * element; NaN without elements. */
 double measures_coordination(const struct measures *m);
 
-/* The mean of n n over the pairs that touch, n the direction from one centre to the other: xx, yy, xy. The
- * trace is 1. NaN without such a pair. Source: Satake (1982). */
+/* The mean of n n over the pairs of elements that touch, n the direction from one centre to the other: xx,
+ * yy, xy. The trace is 1. NaN without such a pair. Source: Satake (1982). */
 void measures_fabric(const struct measures *m, double fabric[3]);
 
 /* Are the probes of *m those of the config, with the sums that they need? */

@@ -1,5 +1,5 @@
-/* Probes: what is measured at a row of the history of a body, or of the elements that start in a region. The
- * sums are exact, so that the parts of any decomposition merge to the same bits. */
+/* Probes: what is measured at a row of the history of a body, of a wall, or of the elements that start in a
+ * region. The sums are exact, so that the parts of any decomposition merge to the same bits. */
 #ifndef DM2_ENGINE_PROBE_H
 #define DM2_ENGINE_PROBE_H
 
@@ -14,7 +14,7 @@ struct measure_scales;
 /* The sums of a probe. Places are unwrapped; those of a body are from the middle of the body's box in the
  * deck, so that sums of products with them lose no digits far from the origin. */
 enum probe_sum {
-    PROBE_X, /* of a region: sum of x, y, cm, */
+    PROBE_X, /* of a region or wall: sum of x, y, cm, */
     PROBE_Y,
     PROBE_VX, /* and of velocities, cm/us */
     PROBE_VY,
@@ -35,12 +35,14 @@ enum probe_sum {
     PROBE_TEMPERATURE, /* K */
     PROBE_KINETIC,     /* g cm2/us2 */
     PROBE_AREA,        /* of the discs whose centre is in the region now, cm2 */
+    PROBE_SPIN,        /* of a wall, 1/us; its place and velocity are PROBE_X to PROBE_VY */
+    PROBE_HEAT,        /* that a wall conducts into elements, g cm2/us3 */
     PROBE_SUMS
 };
 
 struct probe_sums {
     uint32_t needs; /* bit k: sum[k] is kept */
-    uint64_t count; /* elements */
+    uint64_t count; /* elements; of a wall 1 */
     struct exact_sum sum[PROBE_SUMS];
 };
 
@@ -50,7 +52,7 @@ uint32_t probe_needs(const struct probe_config *p);
 /* The shift (dm2/base/exact.h) of a sum. */
 int probe_shift(const struct measure_scales *scales, enum probe_sum sum);
 
-/* The point from which the places of the probe's sums are counted, cm; 0 0 for a region. */
+/* The point from which the places of the probe's sums are counted, cm; 0 0 for a region or wall. */
 void probe_origin(const struct probe_config *p, double origin[2]);
 
 /* Adds to *sums those of another part of the system at the same step. */
@@ -61,7 +63,7 @@ struct probe_column {
     const char *suffix, *unit; /* the column's name is that of the probe, _, suffix */
     enum probe_quantity quantity;
 };
-enum { PROBE_COLUMNS = 14 };
+enum { PROBE_COLUMNS = 15 };
 extern const struct probe_column probe_columns[PROBE_COLUMNS];
 
 /* The values of all columns; those that the probe does not report are 0. NaN for a mean of no element. */

@@ -177,10 +177,10 @@ enum dm2_status subdomain_take_in(struct subdomain *sd, const struct parcel *par
  * valid until the next one. The sums of several subdomains merge by wall_sums_merge. */
 const struct wall_sums *subdomain_wall_sums(const struct subdomain *sd);
 
-/* Force, Mbar cm2, and torque, Mbar cm3, on a wall, and the heat that it gave to elements in the last kick, g
- * cm2/us2. */
+/* Force, Mbar cm2, and torque, Mbar cm3, on a wall, and the heat that it conducts into elements, g cm2/us3.
+ */
 struct wall_load {
-    double force[2], torque, heat, magnitude;
+    double force[2], torque, heat;
 };
 struct wall_load subdomain_wall_load(const struct model *model, const struct wall_sums *sums);
 

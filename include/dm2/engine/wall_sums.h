@@ -9,11 +9,10 @@
 
 /* Over the contacts of one wall, each counted with the sign of its feature. */
 struct wall_sums {
-    struct exact_sum force[2];  /* on the wall, in units of the fixed-point sums: the elements' integers with
-                                   the  opposite sign */
-    struct exact_sum torque;    /* on the wall about its present centre; shift: measure_scales.energy */
-    struct exact_sum heat;      /* conducted into the elements in the time of the kick; same shift */
-    struct exact_sum magnitude; /* sum of |force|, in the units of `force` */
+    struct exact_sum force[2]; /* on the wall, in units of the fixed-point sums: the elements' integers with
+                                  the opposite sign */
+    struct exact_sum torque;   /* on the wall about its present centre; shift: measure_scales.energy */
+    struct exact_sum heat;     /* conducted into the elements per time; same shift */
     int64_t contacts;
 };
 
