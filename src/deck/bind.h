@@ -17,6 +17,7 @@ struct deck_binding {
     struct findings *findings;
     struct config *config;
     bool steps_replaced;         /* --steps replaces `steps` of the deck */
+    size_t table_points;         /* of all loads, from files */
     enum block_kind *kinds;      /* of each block of the tree; BLOCK_COUNT: unknown */
     size_t single[BLOCK_COUNT];  /* index of the first block of a kind; tree->n_blocks: none */
     size_t *blocks[BLOCK_COUNT]; /* blocks[kind][i]: the block of the i-th item of the config's array for this

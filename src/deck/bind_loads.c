@@ -296,6 +296,24 @@ static bool open_table(struct table *t)
     return false;
 }
 
+/* The deck as one text (deck_source_flatten) has the points of all tables in it and must read as a deck. */
+static bool check_room(struct deck_binding *b, struct deck_place place, size_t points)
+{
+    enum { TOKENS = 6, BYTES = 2 * NUMBER_TEXT_MAX + 6 }; /* of a point, with signs, commas and line ends */
+    size_t before = b->table_points, room = b->tree->room_tokens / TOKENS;
+    if (room > b->tree->room_bytes / BYTES)
+        room = b->tree->room_bytes / BYTES;
+    b->table_points += points;
+    if (before > room || b->table_points <= room)
+        return true;
+    findings_error(
+        b->findings, place,
+        "the tables of all loads have at most %zu points together beside this deck's text, because "
+        "the run's deck.dm2 has them in it: thin this table out",
+        room);
+    return false;
+}
+
 /* Reads the columns of the file into the points of the block. */
 static void read_file(struct deck_binding *b, size_t block, struct load_block *read)
 {
@@ -314,7 +332,8 @@ static void read_file(struct deck_binding *b, size_t block, struct load_block *r
     bool ok = find_columns(&t, columns);
     for (int q = 0; q < LOAD_QUANTITIES && ok; q++)
         if (columns[q] < t.csv.n_columns)
-            ok = read_column(&t, (enum load_quantity)q, columns, &read->points[q]);
+            ok = read_column(&t, (enum load_quantity)q, columns, &read->points[q]) &&
+                 check_room(b, t.name, read->points[q].n);
     csv_free(&t.csv);
 }
 

@@ -49,6 +49,10 @@ static bool read_deck(const struct deck_source *source, struct config *out, stru
 {
     struct deck_tree tree = {0};
     struct deck_binding binding = {.tree = &tree, .findings = findings, .config = out};
+    size_t bytes = 0;
+    for (size_t i = 0; i < source->n_texts; i++)
+        bytes += source->texts[i].length;
+    tree.room_bytes = DECK_MAX_BYTES - bytes;
     bool ok = deck_parse(&tree, findings) && deck_bind(&binding, source->steps) && deck_check(&binding);
     if (ok)
         check_lets(&tree, findings);

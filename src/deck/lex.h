@@ -29,7 +29,7 @@ struct tokens {
 };
 
 /* The most tokens of a deck, the most characters of a number. */
-enum { DECK_MAX_TOKENS = 1000000, DECK_MAX_NUMBER = 100 };
+enum { DECK_MAX_TOKENS = 4000000, DECK_MAX_NUMBER = 100 };
 
 /* Appends the tokens of one text to *out. A text that does not read gives a finding and a TOKEN_BAD. *budget
  * is the number of tokens that the whole deck may still have, and is lowered. False: no memory (noted in the

@@ -453,6 +453,7 @@ bool deck_parse(struct deck_tree *tree, struct findings *findings)
             deck_tree_sort_lets(tree, findings);
             (void)parse_defines(&parse);
         }
+        tree->room_tokens = parse.budget;
     }
     free(parse.state);
     return !findings->no_memory;

@@ -7,7 +7,7 @@
 
 #include "dm2/deck/deck.h"
 
-enum { DECK_MAX_BYTES = 16 << 20, DECK_MAX_TEXTS = 64 };
+enum { DECK_MAX_BYTES = 48 << 20, DECK_MAX_TEXTS = 64 };
 
 /* The name of the file that the text `includer` includes by `path` (length bytes, without a NUL): relative to
  * the folder of `includer`, without empty components and '.' in `path`, so that a file has one name. The

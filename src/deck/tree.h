@@ -67,7 +67,8 @@ struct deck_tree {
     struct deck_block *blocks;
     size_t n_nodes, n_lets, n_values, n_names, n_entries, n_blocks;
     size_t cap_nodes, cap_lets, cap_values, cap_names, cap_entries, cap_blocks;
-    struct deck_place end; /* the end of the main text: the place of findings about missing blocks */
+    struct deck_place end;          /* the end of the main text: the place of findings about missing blocks */
+    size_t room_tokens, room_bytes; /* what the deck may have beside its texts, whose tables have no tokens */
     bool incomplete; /* an included text is missing; blocks and names that are not found may be defined in
                         that text */
 };

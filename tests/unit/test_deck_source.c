@@ -49,11 +49,11 @@ TEST(what_cannot_be_read)
     CHECK_EQ_INT(deck_source_read(scratch_path("main"), NULL, &s, &err), DM2_IO);
     CHECK_CONTAINS(err.text, "main:3: ");
     CHECK_EQ_INT(s.n_texts, 0);
-    /* A sparse file of 17 MiB. */
+    /* A sparse file of 49 MiB. */
     scratch_write("large", "#");
-    CHECK_EQ_INT(truncate(scratch_path("large"), 17 << 20), 0);
+    CHECK_EQ_INT(truncate(scratch_path("large"), 49 << 20), 0);
     CHECK_EQ_INT(deck_source_read(scratch_path("large"), NULL, &s, &err), DM2_IO);
-    CHECK_CONTAINS(err.text, "16777216");
+    CHECK_CONTAINS(err.text, "50331648");
     scratch_end();
 }
 
@@ -113,18 +113,18 @@ TEST(sources_from_elsewhere)
     CHECK_EQ_INT(l.report.n_errors, 1);
     loaded_free(&l);
 
-    size_t n = (16 << 20) + 1;
+    size_t n = (48 << 20) + 1;
     char *text = malloc(n + 1);
     memset(text, '\n', n);
     text[n] = '\0';
     l = load_text(text, NULL, -1);
-    CHECK_CONTAINS(l.report.text, "larger than 16 MiB");
+    CHECK_CONTAINS(l.report.text, "larger than 48 MiB");
     loaded_free(&l);
-    /* Two million tokens, above the limit. */
+    /* Above the limit of tokens. */
     memset(text, ';', n);
-    text[2000000] = '\0';
+    text[4000001] = '\0';
     l = load_text(text, NULL, -1);
-    CHECK_CONTAINS(l.report.text, "more than 1000000 tokens");
+    CHECK_CONTAINS(l.report.text, "more than 4000000 tokens");
     loaded_free(&l);
     for (size_t i = 0; i < 900000; i++)
         text[i] = "a{b=1}"[i % 6];

@@ -126,6 +126,64 @@ TEST(tables_stand_as_points)
     bytes_free(&out);
 }
 
+/* Writes a table of the most points, each of the most tokens. Returns its length. */
+static size_t put_table(char *table)
+{
+    size_t at = (size_t)sprintf(table, "time,velocity_x,velocity_y\n");
+    for (int k = 0; k < LOAD_POINTS_MAX; k++)
+        at += (size_t)sprintf(table + at, "%d,%.17g,-%.17g\n", k - LOAD_POINTS_MAX, -1e-3 / (k + 3),
+                              0.7 / (k + 1));
+    return at;
+}
+
+/* Loads a deck whose `n` bodies move by the same table, and flattens it into *out. */
+static enum dm2_status load_tables(int n, char *table, size_t length, struct bytes_writer *out,
+                                   struct deck_report *report)
+{
+    char deck[2000];
+    struct config config;
+    struct dm2_error err = {0};
+    size_t used = (size_t)snprintf(deck, sizeof deck,
+                                   "domain { size = 4 4; r_c = 0.16; delta_r = 0.02 }\n"
+                                   "time { dt = 0.02; steps = 100 }\n"
+                                   "material cu { rho0 = 8.93; c0 = 0.394; s = 1.489 }\n");
+    for (int k = 0; k < n; k++)
+        used += (size_t)snprintf(deck + used, sizeof deck - used,
+                                 "body b%d { shape = rectangle %d 0 %d.5 1; spacing = 0.1; material = cu; "
+                                 "motion = driven }\nload l%d { body = b%d; file = \"t.csv\" }\n",
+                                 k, k, k, k, k);
+    struct deck_text parts[] = {{(char *)"deck.dm2", deck, used}, {(char *)"t.csv", table, length}};
+    const struct deck_source source = {.texts = parts, .n_texts = 2, .steps = -1};
+    enum dm2_status status = deck_load(&source, &config, report);
+    if (status == DM2_OK) {
+        CHECK_EQ_INT(deck_source_flatten(&source, &config, out, &err), DM2_OK);
+        config_free(&config);
+    }
+    return status;
+}
+
+/* The text of a deck with many points reads as a deck; points beyond what a deck may have are refused at
+ * their table. */
+TEST(a_deck_of_many_points)
+{
+    char *table = malloc((size_t)60 * LOAD_POINTS_MAX);
+    size_t length = put_table(table);
+    struct bytes_writer out = {0};
+    struct deck_report report;
+    CHECK_EQ_INT(load_tables(2, table, length, &out, &report), DM2_OK);
+    deck_report_free(&report);
+    bytes_put_u8(&out, 0);
+    struct loaded flat = load_text((const char *)out.data, NULL, -1);
+    CHECK_REPORT(flat.status == DM2_OK, "%s", flat.report.text);
+    CHECK_EQ_INT(flat.config.n_loads, 4);
+    loaded_free(&flat);
+    CHECK_EQ_INT(load_tables(4, table, length, &out, &report), DM2_DECK);
+    CHECK_CONTAINS(report.text, "the tables of all loads have at most 6");
+    deck_report_free(&report);
+    bytes_free(&out);
+    free(table);
+}
+
 TEST(missing_steps_are_added)
 {
     static const char text[] = "time\n{\n dt = 1 us }\nbody time { spacing = 1 }\n";
@@ -139,4 +197,4 @@ TEST(missing_steps_are_added)
 }
 
 TEST_MAIN(CASE(includes_stand_in_their_places), CASE(options_stand_in_their_places),
-          CASE(tables_stand_as_points), CASE(missing_steps_are_added))
+          CASE(tables_stand_as_points), CASE(a_deck_of_many_points), CASE(missing_steps_are_added))
