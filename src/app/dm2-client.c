@@ -150,7 +150,7 @@ static enum dm2_status decompose_domain(const struct client_command *c, const st
         counts = mem_zalloc((size_t)g->cx * (size_t)g->cy, sizeof *counts);
         if (counts == NULL)
             return dm2_fail(err, DM2_MEMORY, "no memory for %d x %d cells", g->cx, g->cy);
-        if (run->restarted)
+        if (run_state(run) != NULL)
             model_count_elements(run->model, run->state.elements, run->state.n_elements, counts);
         else
             status = model_cell_counts(run->model, counts, err);
@@ -248,7 +248,7 @@ static enum dm2_status run_on_servers(const struct client_command *c, struct run
                                    .config = &run->config,
                                    .model = run->model,
                                    .decomposition = d,
-                                   .start = run->restarted ? &run->state : NULL,
+                                   .start = run_state(run),
                                    .by_particles = is_by_particles(c, run),
                                    .results = results};
     progress_start(&display.progress, c->run.progress, run->config.steps, model_elements(run->model));

@@ -175,10 +175,10 @@ static enum dm2_status take_step(struct sequence *s, struct dm2_error *err)
     if (status == DM2_OK)
         status = write_profiles(s, err);
     if (status == DM2_OK)
-        status = subdomain_move(s->sd, &dmax, n == 0 || schedule_history(c, n) ? &measures : NULL, err);
+        status = subdomain_move(s->sd, &dmax, n == c->n_start || schedule_history(c, n) ? &measures : NULL, err);
     if (status == DM2_OK)
         take_totals(s);
-    if (status == DM2_OK && n == 0) /* the history has a row of step 0 */
+    if (status == DM2_OK && n == c->n_start)
         status = model_check_start(s->run->model, &measures, err);
     if (status == DM2_OK && survey)
         subdomain_survey(s->sd, &spread);
@@ -287,7 +287,7 @@ static enum dm2_status run_all(struct sequence *s, struct run *run, const struct
     double started = clock_now();
     enum dm2_status status = run_open_results(s->options, run, &s->results, err);
     const struct state_view from = state_view_of(&s->run->state);
-    if (status == DM2_OK && s->run->restarted)
+    if (status == DM2_OK && run_state(s->run) != NULL)
         status = subdomain_restore(s->run->model, &map, 0, &from, &s->sd, err);
     else if (status == DM2_OK)
         status = subdomain_create(s->run->model, &map, 0, &s->sd, err);

@@ -1,6 +1,7 @@
 /* The part of dm2-seq and dm2-client that a user sees alike in both. */
 #include "run.h"
 #include "run_loads.h"
+#include "run_start.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -43,6 +44,8 @@ void run_options_start(struct run_options *o, const char *program, int argc, cha
          "writes a checkpoint every K steps instead of as the deck says; 0: never", 0, INT64_MAX},
         {"restart", 0, OPTION_TEXT, &o->restart, "FILE",
          "continues from a state, in its directory; auto: from what the run directory has, or begins", 0, 0},
+        {"start", 0, OPTION_TEXT, &o->start, "FILE",
+         "begins from this state, in place of that of the deck's block `start`", 0, 0},
         {"progress", 0, OPTION_TEXT, &o->progress_text, "WHEN",
          "live line: auto (on a terminal), always or never", 0, 0},
         {"quiet", 'q', OPTION_FLAG, &o->quiet, NULL, "prints nothing but errors", 0, 0},
@@ -150,6 +153,8 @@ enum dm2_status run_load(const struct run_options *o, struct run *run, struct dm
     if (status != DM2_OK)
         return status;
     status = add_changes(o, &run->source, err);
+    if (status == DM2_OK)
+        status = run_start_read(o, run, err);
     if (status == DM2_OK) {
         status = deck_load(&run->source, &run->config, &report);
         run->loaded = status == DM2_OK;
@@ -170,6 +175,9 @@ enum dm2_status run_load(const struct run_options *o, struct run *run, struct dm
         status = restart_choose(o, run, err);
     else if (status == DM2_OK && o->restart != NULL)
         status = restart_read(o, run, err);
+    if (status == DM2_OK && run->from_path != NULL && !run->restarted && !run->complete)
+        status = run_start_take(run, err);
+    state_free(&run->from);
     if (status != DM2_OK)
         run_free(run);
     return status;
@@ -184,6 +192,8 @@ void run_free(struct run *run)
     state_free(&run->state);
     state_origin_free(&run->origin);
     free(run->state_path);
+    state_free(&run->from);
+    free(run->from_path);
     results_abort(run->results);
     *run = (struct run){0};
 }
@@ -247,6 +257,11 @@ enum dm2_status run_open_results(const struct run_options *o, struct run *run, s
     return status;
 }
 
+const struct state *run_state(const struct run *run)
+{
+    return run->restarted || run->staged ? &run->state : NULL;
+}
+
 int64_t run_checkpoint_every(const struct run_options *o, const struct run *run)
 {
     return o->checkpoint_every >= 0 ? o->checkpoint_every : run->config.output.checkpoint_every;
@@ -279,7 +294,9 @@ static enum dm2_status measure_rank(const struct run *run, const struct decompos
     const struct domain_map map = {.grid = &d->grid, .ranks = d->ranks, .owner = d->owner};
     struct subdomain *sd = NULL;
     struct measures part;
-    enum dm2_status status = subdomain_create(run->model, &map, rank, &sd, err);
+    const struct state_view from = state_view_of(&run->state);
+    enum dm2_status status = run->staged ? subdomain_restore(run->model, &map, rank, &from, &sd, err)
+                                         : subdomain_create(run->model, &map, rank, &sd, err);
     if (status != DM2_OK)
         return status;
     *out = (struct rank_size){subdomain_owned(sd), subdomain_mirrored(sd), subdomain_bytes(sd)};

@@ -31,12 +31,13 @@ struct run_options {
     int64_t checkpoint_every; /* -1: as the deck says; 0: never */
     const char *restart;      /* a state file to continue from, or "auto"; NULL: none */
     bool automatic;           /* --restart auto */
+    const char *start;        /* the state of another deck to begin from; NULL: as the deck says */
     const char *progress_text;
     enum progress_mode progress;
     bool overwrite, check, quiet, verbose, help, version;
 };
 
-enum { RUN_OPTIONS = 13 };
+enum { RUN_OPTIONS = 14 };
 
 /* Sets the defaults in *o and writes the entries of the options above to `table`. A program puts its own
  * entries before or after them. */
@@ -55,16 +56,20 @@ struct run {
     bool loaded; /* config_free is due */
     struct model *model;
     struct state_origin origin; /* of the states of this run */
-    bool restarted;
-    struct state state; /* the state that the run continues from */
-    char *state_path;   /* its file */
+    struct state from;          /* the state of another deck that the run begins from (run_start.h) */
+    char *from_path;            /* its file; NULL: the run begins with the elements of the deck */
+    char from_digest[SHA256_TEXT];
+    bool restarted, staged; /* `state` is one of this run; the first one of a run that begins from a state */
+    struct state state;     /* where the run begins; empty where neither is set */
+    char *state_path;       /* its file, of a run that continues */
     char state_digest[SHA256_TEXT];
     struct results *results; /* --restart auto: the claimed directory, until run_open_results */
     bool anew;               /* --restart auto: what an interrupted run without a state has left is removed */
     bool complete;           /* --restart auto: the directory has all results; there is nothing to run */
 };
 
-/* Reads and checks the deck, builds the model, and reads the state of --restart (restart.h). Where
+/* Reads and checks the deck, with the state that the run begins from (run_start.h), builds the model, and reads
+ * the state of --restart (restart.h). Where
  * run->complete is set, the user has been told so.
  *
  * The deck's findings are printed on standard error (warnings not with --quiet). DM2_DECK and others, with
@@ -84,6 +89,9 @@ char *run_directory_name(const struct run_options *o);
  * errors of results_claim, results_begin and results_go_on; then *out is NULL. */
 enum dm2_status run_open_results(const struct run_options *o, struct run *run, struct results **out,
                                  struct dm2_error *err);
+
+/* The state that the elements are taken from at once; NULL: the deck makes them. */
+const struct state *run_state(const struct run *run);
 
 /* The number of steps between checkpoints of the run; 0: none. */
 int64_t run_checkpoint_every(const struct run_options *o, const struct run *run);

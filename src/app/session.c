@@ -172,13 +172,29 @@ static enum dm2_status add_log(struct results *results, struct bytes_writer *w, 
     return status;
 }
 
+/* deck.dm2 of a run that begins from a state opens with this line. */
+static const char begun_from[] = "# begun from the state ";
+
 static enum dm2_status write_deck(const struct run *run, struct results *results, struct dm2_error *err)
 {
-    struct bytes_writer text = {0};
-    enum dm2_status status = deck_source_flatten(&run->source, &run->config, &text, err);
+    struct bytes_writer text = {0}, deck = {0};
+    enum dm2_status status = deck_source_flatten(&run->source, &run->config, &deck, err);
+    const char *from = (const char *)deck.data;
+    size_t n = deck.length, mark = sizeof begun_from - 1;
+    if (status == DM2_OK && run->from_path != NULL) {
+        put_line(&text, "%s%.600s, SHA-256 %s: give it with --start FILE", begun_from, run->from_path,
+                 run->from_digest);
+        const char *end = n >= mark && memcmp(from, begun_from, mark) == 0 ? memchr(from, '\n', n) : NULL;
+        n -= end == NULL ? 0 : (size_t)(end + 1 - from); /* a deck.dm2 that is run again has such a line */
+        from = end == NULL ? from : end + 1;
+    }
+    bytes_put_raw(&text, from, n);
+    if (status == DM2_OK && text.failed)
+        status = dm2_fail(err, DM2_MEMORY, "no memory for the deck as one text");
     if (status == DM2_OK)
         status = results_text(results, "deck.dm2", (const char *)text.data, text.length, err);
     bytes_free(&text);
+    bytes_free(&deck);
     return status;
 }
 
@@ -202,6 +218,8 @@ enum dm2_status session_begin(const struct run_options *o, const struct run *run
     if (run->restarted)
         put_line(&w, "from: step %lld, %s, SHA-256 %s", (long long)run->state.step, run->state_path,
                  run->state_digest);
+    else if (run->staged)
+        put_line(&w, "from: the state %s, SHA-256 %s", run->from_path, run->from_digest);
     else
         put_line(&w, "from: the beginning");
     free(command);

@@ -14,6 +14,7 @@
 #include "dm2/base/mem.h"
 #include "dm2/cluster/inquiry.h"
 #include "dm2/deck/meaning.h"
+#include "dm2/deck/start.h"
 #include "dm2/engine/self_test.h"
 #include "state_parts.h"
 
@@ -329,7 +330,8 @@ static enum dm2_status send_deck(struct client *c, bool texts, struct dm2_error 
 
 enum dm2_status client_share_deck(struct client *c, struct dm2_error *err)
 {
-    enum dm2_status status = c->options->send_deck ? DM2_OK : send_deck(c, false, err);
+    bool whole = c->options->send_deck || deck_source_start(c->job->source) != NULL; /* no server has the start */
+    enum dm2_status status = whole ? DM2_OK : send_deck(c, false, err);
     int missing = 0;
     for (int k = 0; k < c->ranks; k++)
         missing += c->answers[k].loaded == 0;

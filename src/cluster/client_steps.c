@@ -23,7 +23,7 @@ static enum dm2_status take_cracks(struct client *c, int rank, const struct crac
     struct bytes_reader r = bytes_reader_of(part->bytes, part->n * WIRE_CRACK);
     for (size_t k = 0; k < part->n; k++) {
         struct crack crack;
-        wire_get_crack(&r, model_elements(c->job->model), &crack);
+        wire_get_crack(&r, model_ids(c->job->model), &crack);
         if (r.failed)
             return conversation_not_decoded(&c->talk, rank, "list of broken links", err);
         if (crack_list_add(&c->cracks, &crack) != 0)
@@ -247,7 +247,7 @@ static enum dm2_status run_step(struct client *c, int64_t n, bool *rebuild, stru
     enum dm2_status status = conversation_gather(&c->talk, MESSAGE_STEP, LIMIT_STEP, take_step, false, err);
     if (status == DM2_OK)
         status = sum_steps(c, *rebuild, schedule_measure(config, n), hashed, c->survey, false, &sum, err);
-    if (status == DM2_OK && n == 0) /* the history has a row of step 0 */
+    if (status == DM2_OK && n == config->n_start)
         status = model_check_start(c->job->model, &sum.measures, err);
     bool ends = false, watched = history && config->n_stops > 0;
     if (status == DM2_OK && watched)

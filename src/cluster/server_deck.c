@@ -133,12 +133,12 @@ static enum dm2_status check_estimate(const struct session *s, struct dm2_error 
 static enum dm2_status check_elements(const struct session *s, struct dm2_error *err)
 {
     uint64_t most = s->options->max_elements;
-    if (most == 0 || model_elements(s->model) <= most)
+    if (most == 0 || model_ids(s->model) <= most)
         return DM2_OK;
     return dm2_fail(
         err, DM2_DECK,
         "the deck makes %zu elements, this server takes at most %llu: dm2-server --max-elements N",
-        model_elements(s->model), (unsigned long long)most);
+        model_ids(s->model), (unsigned long long)most);
 }
 
 static enum dm2_status load_deck(struct session *s, bool own_copy, struct dm2_error *err)

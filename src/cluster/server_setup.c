@@ -119,7 +119,7 @@ static enum dm2_status restore_received(struct session *s, struct received_state
  * one, and makes the subdomain of them. */
 static enum dm2_status get_state(struct session *s, struct dm2_error *err)
 {
-    struct received_state in = {.seen = mem_zalloc(model_elements(s->model), 1)};
+    struct received_state in = {.seen = mem_zalloc(model_ids(s->model), 1)};
     struct state_message m = {.last = false};
     enum dm2_status status =
         in.seen == NULL ? dm2_fail(err, DM2_MEMORY, "no memory for the state to start from") : DM2_OK;

@@ -181,16 +181,32 @@ static bool order_pairs(struct state_merge *m, bool forced)
     return true;
 }
 
+/* Moves the elements together, in the order of their ids. */
+static void close_holes(struct state_merge *m)
+{
+    size_t n = 0;
+    for (size_t id = 0; id < m->limits.elements && m->limits.holes > 0; id++) {
+        if (!m->seen[id])
+            continue;
+        m->elements[n] = m->elements[id];
+        m->measured[n++] = m->measured[id];
+    }
+}
+
 enum dm2_status state_merge_finish(struct state_merge *m, struct dm2_error *err)
 {
     enum dm2_status status = allocate_arrays(m, err);
     if (status != DM2_OK)
         return status;
-    if (m->n_seen != m->limits.elements) {
-        const unsigned char *missing = memchr(m->seen, 0, m->limits.elements);
+    size_t n = m->limits.elements - m->limits.holes;
+    if (m->n_seen != n && m->limits.holes > 0)
+        return dm2_fail(err, DM2_PROTOCOL, "%zu of %zu elements are missing: a server lost them",
+                        n - m->n_seen, n);
+    if (m->n_seen != n) {
+        const unsigned char *missing = memchr(m->seen, 0, n);
         return dm2_fail(err, DM2_PROTOCOL,
                         "%zu of %zu elements are missing, the first is element %zu: a server lost them",
-                        m->limits.elements - m->n_seen, m->limits.elements, (size_t)(missing - m->seen));
+                        n - m->n_seen, n, (size_t)(missing - m->seen));
     }
     if (!order_pairs(m, m->forces != NULL))
         return dm2_fail(err, DM2_MEMORY, "no memory to sort %zu pairs", m->n_pairs);
@@ -206,6 +222,7 @@ enum dm2_status state_merge_finish(struct state_merge *m, struct dm2_error *err)
     }
     for (int k = 0; k < SECTION_COUNT && status == DM2_OK; k++)
         status = section_sort((enum section)k, &m->sections[k], err);
+    close_holes(m);
     return status;
 }
 

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "bind_loads.h"
+#include "bind_start.h"
 #include "dm2/base/mem.h"
 #include "dm2/deck/shape.h"
 
@@ -282,13 +283,18 @@ static void read_block(struct deck_binding *b, size_t block, void *base)
 {
     uint32_t set, bad;
     read_entries(b, block, base, &set, &bad);
-    check_missing_keys(b, block, set);
+    if (b->kinds[block] != BLOCK_BODY || !start_is_taken(b, base))
+        check_missing_keys(b, block, set);
 }
 
 /* The defaults of the row spacing and of the radius follow from the spacing. */
 static void finish_body(struct deck_binding *b, size_t block, void *item)
 {
     struct body_config *body = item;
+    if (start_is_taken(b, body)) {
+        start_take_body(b, block, body);
+        return;
+    }
     if (entry_of(b, block, "row_spacing") == NULL)
         body->row_spacing =
             body->lattice == LATTICE_HEXAGONAL ? body->spacing * 0.86602540378443864676 : body->spacing;
@@ -553,12 +559,15 @@ bool deck_bind(struct deck_binding *b, int64_t steps)
     }
     schema_defaults(schema_block(BLOCK_DOMAIN), c);
     schema_defaults(schema_block(BLOCK_TIME), c);
+    schema_defaults(schema_block(BLOCK_START), c);
     schema_defaults(schema_block(BLOCK_OUTPUT), c);
     c->output.vtp = true;
     c->output.fields = OUTPUT_ALL_FIELDS;
-    bool ok = bind_things(b, BLOCK_MATERIAL) && bind_phases(b) && bind_things(b, BLOCK_REACTION) &&
-              bind_rules(b) && bind_things(b, BLOCK_BODY) && bind_things(b, BLOCK_WALL) && bind_loads(b) &&
-              bind_things(b, BLOCK_VOID) && bind_things(b, BLOCK_FLAW) && bind_things(b, BLOCK_PROBE);
+    bool ok = start_open(b);
+    bind_single(b, BLOCK_START);
+    ok = ok && bind_things(b, BLOCK_MATERIAL) && bind_phases(b) && bind_things(b, BLOCK_REACTION) &&
+         bind_rules(b) && bind_things(b, BLOCK_BODY) && bind_things(b, BLOCK_WALL) && bind_loads(b) &&
+         bind_things(b, BLOCK_VOID) && bind_things(b, BLOCK_FLAW) && bind_things(b, BLOCK_PROBE);
     bind_single(b, BLOCK_DOMAIN);
     bind_single(b, BLOCK_TIME);
     if (binding_given(b, b->single[BLOCK_TIME], "dt"))
@@ -571,6 +580,7 @@ bool deck_bind(struct deck_binding *b, int64_t steps)
     /* The domain and the time are bound by now; finish_profile and walls_finish read them. */
     ok = bind_things(b, BLOCK_PROFILE) && bind_things(b, BLOCK_STOP) && ok;
     walls_finish(b);
+    start_finish(b);
     if (c->output.history_every < 0)
         c->output.history_every = c->steps / 200 > 150 ? c->steps / 200 : 150;
     b->findings->no_memory |= !ok;
@@ -579,6 +589,7 @@ bool deck_bind(struct deck_binding *b, int64_t steps)
 
 void deck_binding_free(struct deck_binding *b)
 {
+    start_close(b);
     free(b->kinds);
     for (int kind = 0; kind < BLOCK_COUNT; kind++)
         free(b->blocks[kind]);

@@ -20,6 +20,7 @@ struct deck_binding {
     size_t table_points;         /* of all loads, from files */
     enum block_kind *kinds;      /* of each block of the tree; BLOCK_COUNT: unknown */
     size_t single[BLOCK_COUNT];  /* index of the first block of a kind; tree->n_blocks: none */
+    struct start_source *stage;  /* the state that the run begins from; NULL: none (bind_start.h) */
     size_t *blocks[BLOCK_COUNT]; /* blocks[kind][i]: the block of the i-th item of the config's array for this
                                     kind; of config->rules: blocks[BLOCK_INTERACTION] */
 };

@@ -6,6 +6,7 @@
 
 #include "dm2/base/mem.h"
 #include "dm2/deck/shape.h"
+#include "bind_start.h"
 #include "check.h"
 
 enum { BOX_WORDS = 4 };
@@ -309,8 +310,10 @@ bool check_bodies(const struct deck_binding *b)
     }
     for (size_t i = 0; i < b->config->n_bodies; i++) {
         const struct body_config *body = &b->config->bodies[i];
-        check_mix(b, i);
         check_motion(b, i);
+        if (start_is_taken(b, body))
+            continue;
+        check_mix(b, i);
         check_structure(b, i);
         check_angle(b, i);
         if (!body_shape_known(b, i) || !check_shape(b, i))

@@ -154,6 +154,7 @@ void config_free(struct config *c)
     }
     free(c->walls);
     free(c->dt_place);
+    free(c->start.without);
     free(c->materials);
     free(c->phases);
     free(c->reactions);

@@ -223,6 +223,14 @@ static bool put_value(struct writer *w, const struct deck_key *key, const void *
         return put_formats(w, &w->config->output);
     case VALUE_LINE:
         return put_line(w, base);
+    case VALUE_STATE: /* a word, because a digest may begin with a digit */
+        put_text(w, " sha256_");
+        put_text(w, w->config->start.state);
+        return true;
+    case VALUE_NAMES:
+        for (size_t k = 0; k < w->config->start.n_without; k++)
+            (void)put_word(w, w->config->start.without[k]);
+        return w->config->start.n_without > 0;
     }
     return false;
 }
@@ -258,10 +266,13 @@ static int compare_names(const void *a, const void *b)
 }
 
 /* The keywords of an item that are written: the region of a probe of a body or wall is only where the body
- * started.
- */
+ * started, and where a body comes from is told of those from a state alone. */
 static uint32_t keywords_of(enum block_kind kind, const void *item)
 {
+    if (kind == BLOCK_BODY)
+        return ((const struct body_config *)item)->from_state
+                   ? UINT32_MAX
+                   : ~(1u << schema_find_key(schema_block(kind), "from", strlen("from")));
     bool of_body = kind == BLOCK_PROBE && ((const struct probe_config *)item)->mover >= 0;
     return of_body ? ~(1u << schema_find_key(schema_block(kind), "region", strlen("region"))) : UINT32_MAX;
 }
@@ -387,6 +398,8 @@ static void put_deck(struct writer *w)
     const struct config *c = w->config;
     put_item(w, BLOCK_DOMAIN, "domain", c, UINT32_MAX);
     put_item(w, BLOCK_TIME, "time", c, UINT32_MAX);
+    if (c->start.on)
+        put_item(w, BLOCK_START, "start", c, UINT32_MAX);
     put_things(w, BLOCK_MATERIAL, true);
     put_phases(w);
     put_things(w, BLOCK_REACTION, true);

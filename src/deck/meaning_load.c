@@ -93,7 +93,7 @@ enum dm2_status meaning_load(const char *text, size_t length, struct config *out
     enum dm2_status status = w.failed ? DM2_MEMORY : whole ? DM2_OK : DM2_PROTOCOL;
     if (status == DM2_OK) {
         struct deck_text one = {name, (char *)w.data, w.length - 1};
-        const struct deck_source source = {.texts = &one, .n_texts = 1, .steps = -1};
+        const struct deck_source source = {.texts = &one, .n_texts = 1, .steps = -1, .meaning = true};
         status = deck_load(&source, out, &report);
     }
     if (status == DM2_MEMORY)

@@ -49,6 +49,22 @@ static const struct deck_key time_keys[] = {
      .part = PART_LOOKS, .meaning = "number of time steps; `--steps` on the command line replaces it"},
 };
 
+static const struct deck_key start_keys[] = {
+    {"state", VALUE_STATE, 1, PLAIN, ANY, .initial = "that of `--start`",
+     .meaning = "the file of the state, in quotes, beside or below the deck; `--start FILE` replaces it"},
+    {"without", VALUE_NAMES, 1, PLAIN, ANY, .initial = "none",
+     .meaning = "bodies and walls of the state that are left out"},
+    {"velocity", VALUE_CHOICE, 1, PLAIN, ANY, .choices = "keep|zero", .initial = "keep",
+     .offset = offsetof(struct config, start.velocity),
+     .meaning = "do the elements keep their velocities and spins, or begin at rest"},
+    {"time", VALUE_CHOICE, 1, PLAIN, ANY, .choices = "zero|keep", .initial = "zero",
+     .offset = offsetof(struct config, start.time),
+     .meaning = "do steps and time begin at 0, or go on from those of the state"},
+    {"links", VALUE_CHOICE, 1, PLAIN, ANY, .choices = "keep|none", .initial = "keep",
+     .offset = offsetof(struct config, start.links),
+     .meaning = "do the links of the state last, or does none"},
+};
+
 static const struct deck_key material_keys[] = {
     {"rho0", VALUE_REAL, 1, DENSITY, POSITIVE, .initial = "none: give `mass`",
      .offset = offsetof(struct material_config, rho0),
@@ -202,6 +218,9 @@ static const struct deck_key interaction_keys[] = {
 
 #define FIELD(f) .offset = offsetof(struct body_config, f)
 static const struct deck_key body_keys[] = {
+    {"from", VALUE_FLAG, 1, PLAIN, ANY, .choices = "deck|state", .initial = "deck", FIELD(from_state),
+     .meaning = "`state`: its elements are those of the state's body of this name; then only `motion`, "
+                "`velocity` and `spin` may be given"},
     {"shape", VALUE_SHAPE, 1, LENGTH, ANY, .required = true, FIELD(shape),
      .meaning =
          "`rectangle x0 y0 x1 y1`, `disc x y radius` or `polygon x y x y x y ...`: where the centres of its "
@@ -362,6 +381,7 @@ static const struct deck_key output_keys[] = {
 static const struct block_schema blocks[BLOCK_COUNT] = {
     [BLOCK_DOMAIN] = {"domain", "nothing", true, true, KEYS(domain_keys)},
     [BLOCK_TIME] = {"time", "nothing", true, true, KEYS(time_keys)},
+    [BLOCK_START] = {"start", "nothing", true, false, KEYS(start_keys)},
     [BLOCK_MATERIAL] = {"material", "a name", false, true, KEYS(material_keys)},
     [BLOCK_PHASE] = {"phase", "a material and a name", false, false, KEYS(phase_keys)},
     [BLOCK_REACTION] = {"reaction", "a name", false, false, KEYS(reaction_keys)},

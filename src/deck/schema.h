@@ -13,6 +13,7 @@
 enum block_kind {
     BLOCK_DOMAIN,
     BLOCK_TIME,
+    BLOCK_START,
     BLOCK_MATERIAL,
     BLOCK_PHASE,
     BLOCK_REACTION,
@@ -50,7 +51,9 @@ enum value_type {
     VALUE_STEPS,     /* a list of steps */
     VALUE_SET,       /* a list of words of `choices`, stored as a uint32_t: bit k for the k-th word */
     VALUE_FORMATS,   /* a list of vtp, xyz */
-    VALUE_LINE       /* pairs x y, the points of a wall's line */
+    VALUE_LINE,      /* pairs x y, the points of a wall's line */
+    VALUE_STATE,     /* the file of a state in quotes; in a meaning its digest */
+    VALUE_NAMES      /* names of bodies and walls of the state */
 };
 
 struct deck_key {
@@ -65,7 +68,7 @@ struct deck_key {
     const char *initial; /* the default as docs/deck.md prints it: a value, or words where the default is
                             computed or absent; NULL: the keyword is required */
     size_t offset; /* in the struct that the block fills; unused for VALUE_MATERIAL, VALUE_MIX, VALUE_STEPS,
-                      VALUE_FORMATS and VALUE_LINE */
+                      VALUE_FORMATS, VALUE_LINE, VALUE_STATE and VALUE_NAMES */
     const char *meaning;
     enum deck_part part;
 };

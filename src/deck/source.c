@@ -26,6 +26,7 @@ void deck_source_free(struct deck_source *source)
         free(source->defines[i]);
     free(source->texts);
     free(source->defines);
+    free(source->state);
     *source = (struct deck_source){.steps = -1};
 }
 
@@ -304,10 +305,19 @@ static enum dm2_status read_named(struct reading *reading, size_t text, const st
     return status;
 }
 
+/* Notes the file that the string token `at` names as the state that the run begins from. */
+static void note_state(struct reading *reading, size_t text, const struct tokens *tokens, size_t at)
+{
+    const struct deck_text *t = &reading->source->texts[text];
+    const struct token *token = &tokens->items[at];
+    if (reading->source->state == NULL)
+        reading->source->state = deck_source_include(t->name, t->text + token->offset + 1, token->length - 2);
+}
+
 /* Reads what the statement that begins at token `at` names: `include "x"` outside braces, `file = "x"` in a
- * block `load`. */
+ * block `load`; notes `state = "x"` in a block `start`. */
 static enum dm2_status read_statement(struct reading *reading, size_t text, const struct tokens *tokens,
-                                      size_t at, int open, bool in_load, struct dm2_error *err)
+                                      size_t at, int open, const char *in, struct dm2_error *err)
 {
     const struct token *t = &tokens->items[at];
     struct deck_place place = {(int)text, t->offset, t->length};
@@ -315,9 +325,12 @@ static enum dm2_status read_statement(struct reading *reading, size_t text, cons
         return DM2_OK;
     if (open == 0 && t[1].kind == TOKEN_STRING && place_is(reading->source, place, "include"))
         return read_named(reading, text, tokens, at + 1, false, err);
-    if (open == 1 && in_load && at + 2 < tokens->n && t[1].kind == '=' && t[2].kind == TOKEN_STRING &&
-        place_is(reading->source, place, "file"))
+    if (open != 1 || at + 2 >= tokens->n || t[1].kind != '=' || t[2].kind != TOKEN_STRING)
+        return DM2_OK;
+    if (strcmp(in, "load") == 0 && place_is(reading->source, place, "file"))
         return read_named(reading, text, tokens, at + 2, true, err);
+    if (strcmp(in, "start") == 0 && place_is(reading->source, place, "state"))
+        note_state(reading, text, tokens, at + 2);
     return DM2_OK;
 }
 
@@ -335,14 +348,15 @@ static enum dm2_status read_includes(struct reading *reading, size_t text, struc
     if (ignored->no_memory)
         status = dm2_fail(err, DM2_MEMORY, "no memory to read the deck");
     int open = 0;
-    bool begins = true, in_load = false;
+    bool begins = true;
+    const char *in = ""; /* the block under way, of those that name files */
     for (size_t i = 0; status == DM2_OK && i + 1 < tokens.n; i++) {
         int kind = tokens.items[i].kind;
         struct deck_place place = {(int)text, tokens.items[i].offset, tokens.items[i].length};
         if (begins && open == 0 && kind == TOKEN_WORD)
-            in_load = place_is(source, place, "load");
+            in = place_is(source, place, "load") ? "load" : place_is(source, place, "start") ? "start" : "";
         if (begins)
-            status = read_statement(reading, text, &tokens, i, open, in_load, err);
+            status = read_statement(reading, text, &tokens, i, open, in, err);
         open += kind == '{' ? 1 : kind == '}' && open > 0 ? -1 : 0;
         begins = kind == TOKEN_NEWLINE || kind == ';' || kind == '}' || kind == '{';
     }

@@ -9,6 +9,7 @@
 #include "dm2/base/mem.h"
 #include "bind.h"
 #include "bind_loads.h"
+#include "bind_start.h"
 #include "bind_stops.h"
 #include "expr.h"
 
@@ -498,6 +499,10 @@ static bool read_value(struct deck_binding *b, const struct deck_key *key, struc
         return read_formats(b, key, entry, &config->output);
     case VALUE_LINE:
         return walls_read_points(b, key, entry, base);
+    case VALUE_STATE:
+        return start_read_state(b, key, entry, base);
+    case VALUE_NAMES:
+        return start_read_names(b, entry, base);
     }
     return false;
 }

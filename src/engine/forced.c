@@ -38,6 +38,15 @@ struct body_extents {
     double lightest;        /* and the least mass of such an element, g */
 };
 
+/* Takes an element, if it is smaller or as small and lighter. */
+static void note_least(struct body_extents *x, double radius, double mass)
+{
+    if (radius > x->least || (radius == x->least && mass >= x->lightest))
+        return;
+    x->least = radius;
+    x->lightest = mass;
+}
+
 static enum dm2_status add_extent(void *context, const struct element *e, struct dm2_error *err)
 {
     struct body_extents *x = context;
@@ -48,10 +57,7 @@ static enum dm2_status add_extent(void *context, const struct element *e, struct
         of->high[a] = fmax(of->high[a], e->r[a] + e->radius);
     }
     of->mass += e->mass;
-    if (e->radius < x->least || (e->radius == x->least && e->mass < x->lightest)) {
-        x->least = e->radius;
-        x->lightest = e->mass;
-    }
+    note_least(x, e->radius, e->mass);
     return DM2_OK;
 }
 
@@ -87,6 +93,14 @@ static enum dm2_status find_extents(const struct model *m, struct body_extents *
         x->of[b] = (struct body_extent){.low = {INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY}};
     for (size_t w = 0; w < c->n_walls; w++)
         measure_wall(&c->walls[w], &x->of[c->n_bodies + w]);
+    for (size_t b = 0; b < c->n_bodies; b++) {
+        const struct body_start *s = &c->bodies[b].start;
+        if (!c->bodies[b].from_state)
+            continue;
+        x->of[b] = (struct body_extent){
+            .low = {s->low[0], s->low[1]}, .high = {s->high[0], s->high[1]}, .mass = s->mass};
+        note_least(x, s->least, s->lightest);
+    }
     return generate_elements(m, add_extent, x, err);
 }
 

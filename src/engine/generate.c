@@ -76,7 +76,7 @@ int generate_material(const struct body_config *b, uint32_t id, uint32_t grain)
     return choose_material(b, b->structure == STRUCTURE_CRYSTAL ? id : grain);
 }
 
-static uint8_t find_probes(const struct config *c, const double r[2], double spacing)
+uint8_t generate_probes(const struct config *c, const double r[2], double spacing)
 {
     uint8_t mask = 0;
     for (size_t p = 0; p < c->n_probes; p++) {
@@ -152,7 +152,7 @@ static enum dm2_status make_element(struct generation *g, uint64_t grain, const 
         e.heat = e.mass * kind->cp * (g->temperature - kind->t0);
     for (int a = 0; a < 2 && model->reaction.any; a++)
         e.share[a] = material == model->reaction.reactant[a] ? 1.0 : 0.0;
-    e.probes = find_probes(c, e.r, b->spacing);
+    e.probes = generate_probes(c, e.r, b->spacing);
     if (pulse_stopped(&model->pulse))
         return pulse_give_up(err);
     return g->sink(g->context, &e, err);
@@ -323,8 +323,14 @@ enum dm2_status generate_elements(const struct model *model, element_sink sink, 
                                   struct dm2_error *err)
 {
     const struct config *c = model->config;
-    struct generation g = {.model = model, .sink = sink, .context = context};
+    struct generation g = {.model = model,
+                           .sink = sink,
+                           .context = context,
+                           .id = c->start.next_id,
+                           .grain = c->start.next_grain};
     for (g.body = 0; g.body < c->n_bodies; g.body++) {
+        if (c->bodies[g.body].from_state)
+            continue;
         uint64_t first = g.id;
         start_body(&g);
         g.has_voids = false;

@@ -5,7 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "dm2/base/exact.h"
 #include "dm2/base/mem.h"
 #include "dm2/base/real.h"
 #include "dm2/deck/shape.h"
@@ -13,6 +12,7 @@
 #include "generate.h"
 #include "kinds.h"
 #include "laws.h"
+#include "moments.h"
 #include "probes.h"
 #include "scales.h"
 #include "stability.h"
@@ -22,79 +22,76 @@
 static const double second_shell = 0.6; /* in contact distances: sqrt(3) - 1, less a tenth or more */
 static const double pi = 0x1.921fb54442d18p1;
 
-/* Mass and first moments of one body, exact. */
-struct moments {
-    struct exact_sum mass, moment[2];
-    int shift[2]; /* of the mass, of the moments */
-};
-
 /* The model of which the elements are counted, the room of its grain_first, and the moments of the body under
  * way. */
 struct counting {
     struct model *m;
-    size_t bodies, cap;
+    size_t body, cap; /* body: under way, plus 1 */
     struct moments moments;
     double *centroids; /* [n_bodies][2] */
 };
 
-/* Adds an element to the moments of its body, of which the element is the first where `first`. */
-static void add_moments(struct counting *k, const struct element *e, bool first)
-{
-    const struct config *c = k->m->config;
-    struct moments *of = &k->moments;
-    if (first) {
-        int mass, length;
-        (void)frexp(e->mass, &mass);
-        (void)frexp(c->size[0] + c->size[1] + fabs(c->origin[0]) + fabs(c->origin[1]), &length);
-        *of = (struct moments){.shift = {78 - mass, 78 - mass - length}};
-    }
-    (void)exact_add(&of->mass, e->mass, of->shift[0]);
-    for (int a = 0; a < 2; a++) {
-        (void)exact_add(&of->moment[a], e->mass * e->home[a], of->shift[1]);
-        k->centroids[2 * e->body + a] =
-            exact_value(&of->moment[a], of->shift[1]) / exact_value(&of->mass, of->shift[0]);
-    }
-}
-
-/* Notes the ids with which bodies and grains begin: those of this element too. */
+/* Notes the ids with which bodies and grains begin and end: those of this element too. */
 static enum dm2_status count_element(void *context, const struct element *e, struct dm2_error *err)
 {
     struct counting *k = context;
     struct model *m = k->m;
+    bool first = k->body != (size_t)e->body + 1;
     m->n_elements++;
-    if (motion_needs_centroid(m, e->body))
-        add_moments(k, e, k->bodies <= e->body);
-    while (k->bodies <= e->body)
-        m->body_first[k->bodies++] = e->id;
-    if (m->n_grains > e->grain)
+    m->n_ids = (size_t)e->id + 1;
+    if (first)
+        m->bodies[e->body].first = e->id;
+    k->body = (size_t)e->body + 1;
+    m->bodies[e->body].end = e->id + 1;
+    if (motion_needs_centroid(m, e->body)) {
+        if (first)
+            moments_start(&k->moments, m->config, e->mass);
+        moments_add(&k->moments, e->mass, e->home);
+        moments_centroid(&k->moments, &k->centroids[2 * e->body]);
+    }
+    size_t grain = e->grain - m->config->start.next_grain;
+    if (m->n_grains > grain)
         return DM2_OK;
-    uint32_t *grown = mem_grown(m->grain_first, &k->cap, m->n_grains, (size_t)e->grain + 2, sizeof *grown);
+    uint32_t *grown = mem_grown(m->grain_first, &k->cap, m->n_grains, grain + 2, sizeof *grown);
     if (grown == NULL)
         return dm2_fail(err, DM2_MEMORY, "no memory for the numbers of %u grains", e->grain);
     m->grain_first = grown;
-    while (m->n_grains <= e->grain)
+    while (m->n_grains <= grain)
         m->grain_first[m->n_grains++] = e->id;
     return DM2_OK;
 }
 
-/* Counts the elements, and fills body_first and grain_first. */
+/* Takes the bodies that come from a state. */
+static void count_taken(struct model *m, double *centroids)
+{
+    m->n_ids = m->config->start.next_id;
+    for (size_t b = 0; b < m->config->n_bodies; b++) {
+        const struct body_config *body = &m->config->bodies[b];
+        if (!body->from_state)
+            continue;
+        m->bodies[b] = (struct id_range){body->start.id_first, body->start.id_end};
+        m->n_elements += body->start.id_end - body->start.id_first;
+        centroids[2 * b] = body->start.centroid[0];
+        centroids[2 * b + 1] = body->start.centroid[1];
+    }
+}
+
+/* Counts the elements, and fills the ranges of bodies and grains. */
 static enum dm2_status count_elements(struct model *m, struct dm2_error *err)
 {
     struct counting k = {.m = m};
-    m->body_first = mem_zalloc(m->config->n_bodies + 1, sizeof *m->body_first);
+    m->bodies = mem_zalloc(m->config->n_bodies, sizeof *m->bodies);
     k.centroids = mem_zalloc(m->config->n_bodies, 2 * sizeof *k.centroids);
-    if (m->body_first == NULL || k.centroids == NULL) {
+    if (m->bodies == NULL || k.centroids == NULL) {
         free(k.centroids);
         return dm2_fail(err, DM2_MEMORY, "no memory for the tables of %zu bodies", m->config->n_bodies);
     }
+    count_taken(m, k.centroids);
     enum dm2_status status = generate_elements(m, count_element, &k, err);
     m->centroids = k.centroids;
-    if (status != DM2_OK)
-        return status;
-    m->body_first[m->config->n_bodies] = (uint32_t)m->n_elements;
-    if (m->n_grains > 0)
-        m->grain_first[m->n_grains] = (uint32_t)m->n_elements;
-    return DM2_OK;
+    if (status == DM2_OK && m->n_grains > 0)
+        m->grain_first[m->n_grains] = (uint32_t)m->n_ids;
+    return status;
 }
 
 static enum dm2_status check_reach(const struct model *m, struct dm2_error *err)
@@ -245,7 +242,7 @@ void model_free(struct model *m)
     walls_unmake(m);
     free(m->kinds);
     free(m->laws);
-    free(m->body_first);
+    free(m->bodies);
     free(m->grain_first);
     free(m->forced);
     free(m->forced_of);
@@ -277,6 +274,11 @@ struct measure_scales model_scales(const struct model *m)
 size_t model_elements(const struct model *m)
 {
     return m->n_elements;
+}
+
+size_t model_ids(const struct model *m)
+{
+    return m->n_ids;
 }
 
 double model_stable_dt(const struct model *m, const char **which)

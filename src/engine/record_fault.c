@@ -24,7 +24,8 @@
 struct record_limits record_limits_of(const struct model *model)
 {
     const struct config *c = model_config(model);
-    return (struct record_limits){.elements = model_elements(model),
+    return (struct record_limits){.elements = model_ids(model),
+                                  .holes = model_ids(model) - model_elements(model),
                                   .bodies = c->n_bodies,
                                   .kinds = config_kinds(c),
                                   .probes = config_regions(c),
@@ -145,13 +146,31 @@ static size_t find_range(const uint32_t *first, size_t n, uint32_t id)
     return low;
 }
 
-/* `index` is the body or the grain of element `id`: the range of first[n + 1] that holds the id. */
-static bool check_range(const char *name, uint32_t index, const uint32_t *first, size_t n, uint32_t id,
-                        char *text)
+/* The grain of an element that the deck makes follows from its id; that of an element from a state is in a
+ * range of its body, which check_body compares. */
+static bool check_grain(const struct model *m, const struct element *e, char *text)
 {
-    if (index < n && first[index] <= id && id < first[index + 1])
+    uint32_t start = m->config->start.next_grain, k = e->grain - start;
+    if (e->id < m->config->start.next_id)
         return true;
-    return refuse(text, "has %s %" PRIu32 ", %zu is expected", name, index, find_range(first, n, id));
+    if (e->grain >= start && k < m->n_grains && m->grain_first[k] <= e->id && e->id < m->grain_first[k + 1])
+        return true;
+    return refuse(text, "has grain %" PRIu32 ", %zu is expected", e->grain,
+                  start + find_range(m->grain_first, m->n_grains, e->id));
+}
+
+static bool check_body(const struct model *m, const struct element *e, char *text)
+{
+    const struct body_config *body = body_of(m, e);
+    if (m->bodies[e->body].first <= e->id && e->id < m->bodies[e->body].end)
+        return !body->from_state ||
+               (e->grain >= body->start.grain_first && e->grain < body->start.grain_end) ||
+               refuse(text, "has grain %" PRIu32 ", %" PRIu32 " to %" PRIu32 " is expected", e->grain,
+                      body->start.grain_first, body->start.grain_end - 1);
+    for (size_t b = 0; b < m->config->n_bodies; b++)
+        if (m->bodies[b].first <= e->id && e->id < m->bodies[b].end)
+            return refuse(text, "has body %u, %zu is expected", e->body, b);
+    return refuse(text, "has body %u, and its id is of no body", e->body);
 }
 
 static bool check_kind(const struct model *m, const struct element *e, const char *name, uint16_t kind,
@@ -259,9 +278,9 @@ static bool check_deck(const struct element_field *f, const struct element *e, c
     double square = e->radius * e->radius;
     switch (f->rule) {
     case RULE_GRAIN:
-        return check_range(f->name, e->grain, m->grain_first, m->n_grains, e->id, text);
+        return check_grain(m, e, text);
     case RULE_BODY:
-        return check_range(f->name, e->body, m->body_first, m->config->n_bodies, e->id, text);
+        return check_body(m, e, text);
     case RULE_KIND:
         if (f->offset == offsetof(struct element, was) && !m->has_kinds) /* the engine has no array for it */
             return e->was == 0 ||
@@ -373,13 +392,19 @@ bool record_pair_reaches(const struct element *a, const struct element *b, const
     if (m == NULL)
         return true;
     const struct period period = period_of(&m->grid);
-    double now[2], before[2], most = find_reach(m, a, b);
-    for (size_t k = 0; k < 2; k++) {
-        now[k] = period_nearest(a->r[k] - b->r[k], period.size[k], period.half[k]);
-        before[k] = now[k] - (a->v[k] - b->v[k]) * m->config->dt;
+    const double back[3] = {0.0, m->config->dt, m->config->dt_before};
+    double most = find_reach(m, a, b), apart = 0.0;
+    for (int n = 0; n < 3; n++) {
+        double r2 = 0.0;
+        for (size_t k = 0; k < 2; k++) {
+            double d = period_nearest(a->r[k] - b->r[k], period.size[k], period.half[k]);
+            d -= (a->v[k] - b->v[k]) * back[n];
+            r2 += d * d;
+        }
+        apart = n == 0 ? sqrt(r2) : apart;
+        if (r2 <= most * most)
+            return true;
     }
-    double r2 = now[0] * now[0] + now[1] * now[1], r2_before = before[0] * before[0] + before[1] * before[1];
-    return r2 <= most * most || r2_before <= most * most ||
-           refuse(text, "has elements %g cm apart, at most %g is expected where they touch or are linked",
-                  sqrt(r2), most);
+    return refuse(text, "has elements %g cm apart, at most %g is expected where they touch or are linked",
+                  apart, most);
 }

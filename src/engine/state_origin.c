@@ -23,8 +23,8 @@ enum dm2_status state_origin_build(const struct model *model, struct state_origi
     *out = (struct state_origin){
         .n_start = c->n_start,
         .t_start = c->t_start,
-        .next_id = (uint32_t)model->n_elements,
-        .next_grain = (uint32_t)model->n_grains,
+        .next_id = (uint32_t)model->n_ids,
+        .next_grain = c->start.next_grain + (uint32_t)model->n_grains,
         .names = mem_zalloc(kinds + c->n_bodies + c->n_walls + c->n_loads, sizeof *out->names)};
     if (out->names == NULL)
         return dm2_fail(err, DM2_MEMORY, "no memory for the names of a state");

@@ -344,7 +344,8 @@ static enum dm2_status integrate_motion(struct subdomain *sd, bool drift, double
         probes_start(sd->model, out);
     }
     subdomain_beat(sd);
-    double share = sd->step == 0 ? 0.0 : 0.5; /* of the work counts at the whole step */
+    /* Of the work of a kick, what is before its whole step counts there. */
+    double share = 1.0 - 0.5 * sd->model->config->dt / leapfrog_kick_time(sd->model, sd->step);
     walls_add_work(&sd->walls, &sd->p, share);
     enum dm2_status status = leapfrog_move(sd->model, &sd->p, sd->step, drift, dmax, out, err);
     if (status == DM2_OK && out != NULL && sd->model->n_walls > 0)

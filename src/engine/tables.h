@@ -57,6 +57,11 @@ struct probe_table {
     uint64_t *of_body;             /* [n_bodies] bit p: probe p is of this body */
     uint64_t porous;               /* bit p: probe p reports porosity */
 };
+/* Ids first .. end - 1. */
+struct id_range {
+    uint32_t first, end;
+};
+
 struct wall; /* wall_shape.h */
 
 struct model {
@@ -89,12 +94,13 @@ struct model {
     double dt_stable;    /* us */
     const char *dt_mode; /* the mode that limits dt_stable */
     size_t dt_kinds[2];  /* the kinds of the pair that limits dt_stable */
-    size_t n_elements, n_grains;
+    size_t n_elements, n_grains; /* grains: that the deck makes, from config.start.next_grain on */
     size_t n_forced;            /* bodies that move by forces */
     struct forced_body *forced; /* [n_forced]; NULL where there are none */
     uint8_t *forced_of;         /* [movers] index in `forced` plus 1; 0: moves by no force; NULL likewise */
-    uint32_t *body_first;       /* [n_bodies + 1] id of the first element of each body; last n_elements */
-    uint32_t *grain_first;      /* [n_grains + 1] likewise of each grain */
+    size_t n_ids;               /* all ids are below; more than n_elements where a stage left bodies out */
+    struct id_range *bodies;    /* [n_bodies] ids of the elements of each body */
+    uint32_t *grain_first;      /* [n_grains + 1] id of the first element of each grain; last n_ids */
     struct fixed_scales fixed;
     struct measure_scales scales;
     struct motion_table *load_tables; /* [n_loads] */

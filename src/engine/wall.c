@@ -330,7 +330,7 @@ static enum dm2_status fail_at(const struct wall_pass *a, size_t i, const struct
                    move > 0.0
                        ? "more than a quarter can pass through: choose a smaller dt"
                        : "at most half is allowed: begin outside, choose a smaller dt, or a stiffer wall");
-    if (a->step == 0)
+    if (a->step == a->m->config->n_start)
         return config_fail(w->config->place, err, DM2_DECK, "element %u, at (%g, %g) cm at the start, %s; %s",
                            p->id[i], p->r[2 * i], p->r[2 * i + 1], what, how);
     return dm2_fail(err, DM2_NUMERIC, "step %lld: element %u at (%g, %g) cm %s; %s", (long long)a->step,

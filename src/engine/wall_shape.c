@@ -66,6 +66,19 @@ static size_t count_segments(const double *p, double longest)
     return isinf(longest) ? 1 : (size_t)ceil(sqrt(dx * dx + dy * dy) / longest * (1.0 - 1e-12));
 }
 
+static size_t count_all_segments(const struct wall_config *c, double longest)
+{
+    size_t segments = 0;
+    for (size_t k = 0; k + 1 < c->n_points; k++)
+        segments += count_segments(c->points + 2 * k, longest);
+    return segments;
+}
+
+size_t walls_count_features(const struct wall_config *c, const struct grid *g)
+{
+    return c->n_points == 0 ? 1 : 2 * count_all_segments(c, longest_segment(g)) + (c->closed ? 0 : 1);
+}
+
 static void find_centre(struct wall *w)
 {
     const struct wall_config *c = w->config;
@@ -101,14 +114,12 @@ static enum dm2_status make_line(const struct model *m, struct wall *w, struct d
 {
     const struct wall_config *c = w->config;
     double longest = longest_segment(&m->grid);
-    size_t segments = 0, at = 0;
-    for (size_t k = 0; k + 1 < c->n_points; k++)
-        segments += count_segments(c->points + 2 * k, longest);
+    size_t segments = count_all_segments(c, longest), at = 0;
     w->closed = c->closed;
     for (int a = 0; a < 2; a++)
         w->seam[a] = c->seam[a];
     w->n_vertices = segments + (w->closed ? 0 : 1);
-    w->n_features = w->n_vertices + segments;
+    w->n_features = walls_count_features(c, &m->grid);
     w->vertex = mem_zalloc(w->n_vertices, sizeof *w->vertex);
     if (w->vertex == NULL)
         return dm2_fail(err, DM2_MEMORY, "no memory for the points of wall '%s'", c->name);

@@ -50,6 +50,9 @@ struct wall {
 enum dm2_status walls_make(struct model *m, struct dm2_error *err);
 void walls_unmake(struct model *m);
 
+/* The number of features that a wall has, by the size of the domain. */
+size_t walls_count_features(const struct wall_config *c, const struct grid *g);
+
 /* The wall that has the feature. */
 const struct wall *walls_of_feature(const struct model *m, size_t feature);
 

@@ -391,7 +391,7 @@ enum dm2_status results_begin(struct results *r, bool overwrite, const struct co
     if (status == DM2_OK && (path = text_join(r->directory, "/", "history.csv")) == NULL)
         status = run_directory_no_memory(err);
     if (status == DM2_OK)
-        status = write_schedule(r, &book, 0, err);
+        status = write_schedule(r, &book, config->n_start, err);
     if (status == DM2_OK)
         status = file_create(&r->tables.history, path, err);
     if (status == DM2_OK) {
@@ -429,7 +429,7 @@ static enum dm2_status read_schedule(const struct results *r, const char *source
     enum dm2_status status =
         path == NULL ? run_directory_no_memory(err) : schedule_book_read(path, book, err);
     free(path);
-    return status == DM2_OK && book->n == 0 ? schedule_book_change(book, 0, r->config, err) : status;
+    return status == DM2_OK && book->n == 0 ? schedule_book_change(book, r->config->n_start, r->config, err) : status;
 }
 
 /* Reads run.log of `source`, which the sessions to come add to; an unreadable one is replaced. */

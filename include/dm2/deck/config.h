@@ -125,6 +125,16 @@ struct shape_config {
     double vertex[POLYGON_MAX][2];
 };
 
+/* A body of a state, as its elements are there. */
+struct body_start {
+    uint32_t id_first, id_end;       /* its elements have the ids id_first .. id_end - 1 */
+    uint32_t grain_first, grain_end; /* its grains are among grain_first .. grain_end - 1 */
+    double centroid[2];              /* centre of mass, not wrapped, cm */
+    double low[2], high[2];          /* what its elements cover, with their radii, cm */
+    double mass;                     /* g */
+    double least, lightest;          /* smallest radius, cm; least mass of an element of this radius, g */
+};
+
 /* body NAME { ... }: a shape filled with elements on a lattice. */
 struct body_config {
     name_text name;
@@ -152,6 +162,10 @@ struct body_config {
     double jitter; /* each velocity component is uniform in +-jitter about `velocity`, cm/us; default 0 */
     double spin;   /* 1/us about the centroid: of a free body at the start, of a driven one always */
     double temperature; /* K, default 300 */
+    bool from_state;    /* its elements are those of the body of this name in the state that the run begins
+                           from; then the rest of the body says how they were made, once */
+    bool pushed; /* of a free body from the state: the deck gives `velocity`, and its elements get it */
+    struct body_start start; /* of a body from the state */
 };
 
 /* The index of a body or a wall: bodies in deck order, then walls in deck order. */
@@ -271,6 +285,23 @@ struct output_config {
     bool *bodies;    /* [n_bodies] snapshots show the elements of the body; NULL: of all */
 };
 
+enum start_velocity { START_KEEP_VELOCITY, START_AT_REST };
+enum start_time { START_AT_ZERO, START_KEEP_TIME };
+enum start_links { START_KEEP_LINKS, START_WITHOUT_LINKS };
+
+/* start { ... }: the run begins from a state of another deck. */
+enum { START_DIGEST = 65 }; /* bytes of a SHA-256 as a text */
+struct start_config {
+    bool on;
+    char state[START_DIGEST]; /* the digest of the state's file */
+    name_text *without;       /* [n_without] ascending: bodies and walls of the state that are left out */
+    size_t n_without;
+    enum start_velocity velocity;
+    enum start_time time;
+    enum start_links links;
+    uint32_t next_id, next_grain; /* of the first new element and grain; 0 without `on` */
+};
+
 struct config {
     double origin[2], size[2]; /* of the domain, cm */
     bool periodic[2];
@@ -284,8 +315,12 @@ struct config {
     int64_t deck_steps; /* as the deck or --steps says */
     int64_t n_start; /* the step with which the run's stage begins, its first one; 0 without a stage before */
     double t_start;  /* time of that step, us */
+    bool same_clock; /* a stage that keeps time and dt: times are those of the run before, to the last digit */
+    int64_t n_clock; /* then the n_start and t_start of that run */
+    double t_clock;
     double
         dt_before; /* of the steps before n_start, us; 0: the velocities at n_start are those of that time */
+    struct start_config start;
     double gravity[2]; /* body acceleration, cm/us2 */
     double damping;    /* alpha of local damping, 0 <= alpha < 1; 0 by default */
     size_t n_materials, n_phases, n_reactions, n_bodies, n_probes, n_profiles, n_voids, n_flaws, n_loads,
@@ -339,6 +374,8 @@ size_t config_regions(const struct config *c);
 /* The time of a step, us: t_start + (step - n_start) dt, multiplied out. */
 static inline double config_time(const struct config *c, int64_t step)
 {
+    if (c->same_clock)
+        return c->t_clock + (double)(step - c->n_clock) * c->dt;
     return c->t_start + (double)(step - c->n_start) * c->dt;
 }
 

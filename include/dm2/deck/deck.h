@@ -30,6 +30,9 @@ struct deck_source {
     char **defines; /* "name=value", from -D */
     size_t n_defines;
     int64_t steps; /* from --steps; -1: `steps` of the deck holds */
+    char *state;   /* the file that `start { state = "FILE" }` names, as it would be opened; NULL: none, or a
+                      deck that was not read from disk */
+    bool meaning;  /* the text is a meaning: bodies from a state are whole, and no state is needed */
 };
 
 /* Directories in which an included file is looked for that is not beside the including one. */

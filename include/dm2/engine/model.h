@@ -45,8 +45,10 @@ const struct grid *model_grid(const struct model *model);
 struct margins model_margins(const struct model *model);
 /* The shifts of all exact sums. */
 struct measure_scales model_scales(const struct model *model);
-/* The number of elements that the generator makes. */
+/* The number of elements; a number that all ids are below, larger where a stage left bodies of its state out.
+ */
 size_t model_elements(const struct model *model);
+size_t model_ids(const struct model *model);
 /* The stable time step, us; *which is the name of the limiting mode, a constant text. */
 double model_stable_dt(const struct model *model, const char **which);
 
@@ -70,7 +72,7 @@ struct model_room {
 };
 struct model_room model_room(const struct model *model);
 
-/* Fills counts[cx * cy] with the number of generated elements in each cell, the weights of the decomposition
+/* Fills counts[cx * cy] with the number of elements that the deck makes in each cell, the weights of the decomposition
  * by particles. DM2_MEMORY. */
 enum dm2_status model_cell_counts(const struct model *model, uint32_t *counts, struct dm2_error *err);
 
