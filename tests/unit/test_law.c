@@ -92,7 +92,7 @@ TEST(yield_lengths_carry_the_cap)
     }
     /* caps that no attraction reaches */
     struct pair_law morse = law_of(POTENTIAL_MORSE), lj = law_of(POTENTIAL_LENNARD_JONES);
-    CHECK(isinf(law_yield_length(&morse, r0, 0.26 * morse.k * r0 / morse.shape, true)));
+    CHECK(isinf(law_yield_length(&morse, r0, 0.2501 * morse.k * r0 / morse.shape, true)));
     CHECK(isinf(law_yield_length(&lj, r0, 0.05 * lj.k * r0, true)));
 }
 
