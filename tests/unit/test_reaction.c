@@ -116,12 +116,29 @@ TEST(complete_conversion_gives_the_adiabatic_temperature)
     engine_stop(&g);
 }
 
-/* Nickel, aluminium and a mixture, each in contact with both others. */
-static const double trio_at[3][2] = {{0.18, 0.2}, {0.219, 0.2}, {0.199, 0.233}},
-                    trio_share[3][2] = {{1, 0}, {0, 1}, {0.5, 0.3}};
+/* --- three elements, each in contact with both others --- */
 
-/* Puts the three elements into *p at 900 K; out: their masses and heats. */
-static void put_trio(struct particles *p, const struct model *m, double mass[3], double heat[3])
+#define TRIO_DECK                                                                                            \
+    THERMO_METALS                                                                                            \
+    "domain { size = 0.4, 0.4; r_c = 0.06; delta_r = 0.01 }\ntime { dt = 0.01; steps = 1 }\n"                \
+    "reaction r { reactants = Ni Al; product = NiAl; masses = 58.693, 26.982; k0 = 1e4; ea = 60 kJ/mol\n"    \
+    "             heat = 1.54 kJ/g }\n"                                                                      \
+    "body a { shape = disc 0.2, 0.2, 0.01; spacing = 0.04; origin = 0.2, 0.2; material = Ni }\n"
+
+static const double trio_at[3][2] = {{0.18, 0.2}, {0.219, 0.2}, {0.199, 0.233}};
+
+/* The pairs of the three, and the pair of the third with the first alone. */
+static uint32_t trio_start[] = {0, 2, 3, 3}, trio_partner[] = {1, 2, 2}, last_start[] = {0, 0, 0, 1},
+                last_partner[] = {0};
+static uint8_t trio_linked[3];
+static const struct lists trio_pairs = {.near = {.start = trio_start, .j = trio_partner},
+                                        .linked = trio_linked},
+                          last_pair = {.near = {.start = last_start, .j = last_partner},
+                                       .linked = trio_linked};
+
+/* Puts nickel, aluminium and nickel with these shares into *p at 900 K; out: their masses and heats. */
+static void put_trio(struct particles *p, const struct model *m, const double share[3][2], double mass[3],
+                     double heat[3])
 {
     particles_start(p, m);
     CHECK_EQ_INT(particles_reserve(p, 3), 0);
@@ -134,7 +151,7 @@ static void put_trio(struct particles *p, const struct model *m, double mass[3],
                             .radius = 0.02,
                             .mass = mass[i],
                             .r = {trio_at[i][0], trio_at[i][1]},
-                            .share = {trio_share[i][0], trio_share[i][1]}};
+                            .share = {share[i][0], share[i][1]}};
         particles_put(p, m, i, &e);
         p->heat[i] = mass[i] * particles_heat_capacity(p, m, i) * (900.0 - 300.0);
         heat[i] = p->heat[i];
@@ -144,15 +161,15 @@ static void put_trio(struct particles *p, const struct model *m, double mass[3],
 
 /* The masses of A and B that each of the three elements loses in 0.01 us by the rates of its pairs: A of i
  * with B of j. */
-static void sum_trio_rates(const struct reaction_table *x, const double mass[3], double want[3][2])
+static void sum_trio_rates(const struct reaction_table *x, const double mass[3], const double share[3][2],
+                           double want[3][2])
 {
     memset(want, 0, 3 * sizeof *want);
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++) {
             double got[2];
-            reaction_rate(x, (struct reaction_side){mass[i], trio_share[i][0]},
-                          (struct reaction_side){mass[j], trio_share[j][1]}, 900.0, 0.04 / sqrt(3.0), 0.01,
-                          got);
+            reaction_rate(x, (struct reaction_side){mass[i], share[i][0]},
+                          (struct reaction_side){mass[j], share[j][1]}, 900.0, 0.04 / sqrt(3.0), 0.01, got);
             want[i][0] += i != j ? got[0] : 0.0;
             want[j][1] += i != j ? got[1] : 0.0;
         }
@@ -160,40 +177,88 @@ static void sum_trio_rates(const struct reaction_table *x, const double mass[3],
 }
 
 /* The converted masses of an evaluation equal the rates of the pairs and, once applied, what the elements
- * lose. The mixture reacts both ways. */
+ * lose. A mixture reacts both ways, traces react, too; below 1 % of reactants an element that reacts becomes
+ * product, and one that does not react stays. */
 TEST(converted_masses_are_lost_by_the_shares)
 {
-    static const char deck[] = THERMO_METALS
-        "domain { size = 0.4, 0.4; r_c = 0.06; delta_r = 0.01 }\ntime { dt = 0.01; steps = 1 }\n"
-        "reaction r { reactants = Ni Al; product = NiAl; masses = 58.693, 26.982; k0 = 1e4; ea = 60 kJ/mol\n"
-        "             heat = 1.54 kJ/g }\n"
-        "body a { shape = disc 0.2, 0.2, 0.01; spacing = 0.04; origin = 0.2, 0.2; material = Ni }\n";
+    static const double shares[4][3][2] = {{{1, 0}, {0, 1}, {0.5, 0.3}},
+                                           {{0, 5e-4}, {5e-4, 0}, {6e-3, 5e-3}},
+                                           {{0.0101, 0}, {0, 0.0099}, {0, 0}},
+                                           {{5e-4, 0}, {0, 5e-4}, {0, 0}}};
+    static const uint16_t kinds[4][3] = {{0, 1, 0}, {2, 2, 0}, {0, 2, 0}, {2, 2, 0}};
     struct engine g;
-    engine_load(&g, deck, NULL, 1);
+    engine_load(&g, TRIO_DECK, NULL, 1);
     const struct model *m = g.model;
     const struct reaction_table *x = &m->reaction;
     struct particles p;
-    struct reaction_sums sums = {0};
-    uint32_t start[] = {0, 2, 3, 3}, partner[] = {1, 2, 2};
-    uint8_t linked[3] = {0};
-    struct lists lists = {.near = {.start = start, .j = partner}, .linked = linked};
-    double mass[3], want[3][2], heat[3];
-    put_trio(&p, m, mass, heat);
-    sum_trio_rates(x, mass, want);
-    CHECK_EQ_INT(reaction_evaluate(m, &p, &lists, 0.01, 1, &sums, &g.err), DM2_OK);
-    CHECK_EQ_INT(reaction_apply(m, &p, &sums, 1, &g.err), DM2_OK);
-    for (size_t i = 0; i < 3; i++) {
-        double both = 0.0;
-        for (size_t a = 0; a < 2; a++) {
-            double said = (double)sums.item[REACTION_SUMS * i + a] / x->mass_scale;
-            double lost = mass[i] * (trio_share[i][a] - p.share[2 * i + a]);
-            CHECK((said > 0.0) == (trio_share[i][a] > 0.0));
-            CHECK_NEAR(said, want[i][a], 1e-12 * mass[i]);
-            CHECK_NEAR(lost, said, 1e-15 * mass[i]);
-            both += said;
+    struct reaction_sums sums = {0}; /* each evaluation finds the sums of the one before */
+    for (int k = 0; k < 4; k++) {
+        const double(*share)[2] = shares[k];
+        double mass[3], want[3][2], heat[3];
+        put_trio(&p, m, share, mass, heat);
+        sum_trio_rates(x, mass, share, want);
+        CHECK_EQ_INT(reaction_evaluate(m, &p, &trio_pairs, 0.01, 1, &sums, &g.err), DM2_OK);
+        CHECK_EQ_INT(reaction_apply(m, &p, &sums, 1, &g.err), DM2_OK);
+        for (size_t i = 0; i < 3; i++) {
+            double both = 0.0;
+            for (size_t a = 0; a < 2; a++) {
+                double said = (double)sums.item[REACTION_SUMS * i + a] / x->mass_scale;
+                double lost = mass[i] * (share[i][a] - p.share[2 * i + a]);
+                CHECK((said > 0.0) == (share[i][a] > 0.0));
+                CHECK_NEAR(said, want[i][a], 1e-12 * want[i][a] + 1e-15 * mass[i]);
+                CHECK_NEAR(lost, said, 1e-15 * mass[i]);
+                both += said;
+            }
+            CHECK_NEAR(p.heat[i] - heat[i], 1.54e-2 * both,
+                       1e-11 * 1.54e-2 * both + 1e-15 * heat[i] + 1.0 / m->fixed.heat);
+            CHECK_EQ_INT(p.kind[i], kinds[k][i]);
+            CHECK_NEAR_REL(p.temperature[i],
+                           300.0 + p.heat[i] / (mass[i] * particles_heat_capacity(&p, m, i)), 1e-14);
         }
-        CHECK_NEAR_REL(p.heat[i] - heat[i], 1.54e-2 * both, 1e-11);
+        particles_free(&p);
     }
+    free(sums.item);
+    engine_stop(&g);
+}
+
+/* What the third element reacts with the first is rounded to the nearest quantum. Their heat may come to
+ * 2^57 quanta; an element may end at -1e-9 of a reactant, counted as none. */
+TEST(sums_round_and_know_their_range)
+{
+    static const double share[3][2] = {{1, 0}, {0, 1}, {0.5, 0.3}};
+    struct engine g;
+    engine_load(&g, TRIO_DECK, NULL, 1);
+    struct model m = *g.model;
+    struct particles p;
+    struct reaction_sums sums = {0};
+    double mass[3], heat[3], got[2];
+    put_trio(&p, &m, share, mass, heat);
+    const struct reaction_side a = {mass[0], 1.0}, b = {mass[2], 0.3};
+    reaction_rate(&m.reaction, a, b, 900.0, 0.04 / sqrt(3.0), 0.01, got);
+    for (int more = 0; more < 2; more++) {
+        double quanta = more ? 2.505 : 2.495;
+        m.reaction.mass_scale = quanta / got[0];
+        CHECK_EQ_INT(reaction_evaluate(&m, &p, &last_pair, 0.01, 7, &sums, &g.err), DM2_OK);
+        CHECK_EQ_INT(sums.item[REACTION_A], 2 + more);
+        m.reaction.mass_scale = quanta / got[1];
+        CHECK_EQ_INT(reaction_evaluate(&m, &p, &last_pair, 0.01, 7, &sums, &g.err), DM2_OK);
+        CHECK_EQ_INT(sums.item[2 * REACTION_SUMS + REACTION_B], 2 + more);
+    }
+    m.reaction.heat = 0.99 * 0x1p57 / (m.fixed.heat * (got[0] + got[1]));
+    CHECK_EQ_INT(reaction_evaluate(&m, &p, &last_pair, 0.01, 7, &sums, &g.err), DM2_OK);
+    m.reaction.heat *= 1.01 / 0.99;
+    CHECK_EQ_INT(reaction_evaluate(&m, &p, &last_pair, 0.01, 7, &sums, &g.err), DM2_NUMERIC);
+    CHECK_CONTAINS(g.err.text, "step 7: the heat of reaction of elements 2 and 0, near (0.199, 0.233) cm");
+    for (int more = 0; more < 2; more++) {
+        double over = more ? 1.01e-9 : 0.99e-9;
+        m.reaction.mass_scale = 0x1p57;
+        memset(sums.item, 0, 3 * REACTION_SUMS * sizeof *sums.item);
+        p.share[4] = 0.5;
+        sums.item[2 * REACTION_SUMS + REACTION_A] = (int64_t)((0.5 + over) * mass[2] * 0x1p57);
+        CHECK_EQ_INT(reaction_apply(&m, &p, &sums, 8, &g.err), more ? DM2_NUMERIC : DM2_OK);
+        CHECK(more || p.share[4] == 0.0);
+    }
+    CHECK_CONTAINS(g.err.text, "step 8: element 2 at (0.199, 0.233) cm");
     free(sums.item);
     particles_free(&p);
     engine_stop(&g);
@@ -374,9 +439,9 @@ TEST(bad_reactions_are_refused)
         "need the same");
 }
 
-TEST_MAIN(CASE(converted_masses_are_lost_by_the_shares), CASE(rates_follow_arrhenius),
-          CASE(a_mixture_reacts_as_arrhenius_says), CASE(no_step_takes_more_than_its_part),
-          CASE(complete_conversion_gives_the_adiabatic_temperature),
+TEST_MAIN(CASE(converted_masses_are_lost_by_the_shares), CASE(sums_round_and_know_their_range),
+          CASE(rates_follow_arrhenius), CASE(a_mixture_reacts_as_arrhenius_says),
+          CASE(no_step_takes_more_than_its_part), CASE(complete_conversion_gives_the_adiabatic_temperature),
           CASE(a_mixture_conserves_and_stays_positive),
           CASE(a_stoichiometric_mixture_takes_both_in_proportion), CASE(no_element_outgrows_the_bound),
           CASE(any_number_of_ranks_gives_the_same_bits), CASE(a_restart_goes_on_with_the_same_bits),
