@@ -1,1 +1,0 @@
-  #  include "dm2/plot/in_plot.h"

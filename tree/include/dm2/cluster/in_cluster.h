@@ -1,4 +1,0 @@
-# include "dm2/output/in_output.h"
-# include "dm2/engine/in_engine.h"
-# include "dm2/deck/in_deck.h"
-# include "dm2/net/in_net.h"

@@ -1,1 +1,0 @@
-  #  include "dm2/engine/in_engine.h"

@@ -1,3 +1,0 @@
-# include "dm2/deck/in_deck.h"
-# include "dm2/base/in_base.h"
-# include "dm2/engine/in_engine.h"

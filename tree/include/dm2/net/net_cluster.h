@@ -1,1 +1,0 @@
-  #  include "dm2/cluster/in_cluster.h"

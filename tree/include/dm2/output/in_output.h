@@ -1,2 +1,0 @@
-# include "dm2/engine/in_engine.h"
-# include "dm2/deck/in_deck.h"

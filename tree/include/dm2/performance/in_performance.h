@@ -1,1 +1,0 @@
-# include "dm2/base/in_base.h"

@@ -1,1 +1,0 @@
-  #  include "dm2/deck/in_deck.h"

@@ -1,1 +1,0 @@
-  #  include "dm2/output/in_output.h"

@@ -1,1 +1,0 @@
-  #  include "dm2/net/in_net.h"

@@ -1,2 +1,0 @@
-#include <stdio.h>
-#include "dm2/base/in_base.h"

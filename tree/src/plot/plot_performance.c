@@ -1,1 +1,0 @@
-  #  include "dm2/performance/in_performance.h"
