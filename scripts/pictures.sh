@@ -15,7 +15,8 @@ while getopts o: option; do
     esac
 done
 shift $((OPTIND - 1))
-all='plate-impact cu-polycrystal hmx-powder shear-band granular-shear spall phase-front sliding-block heat-rod'
+all='plate-impact cu-polycrystal hmx-powder shear-band granular-shear spall phase-front sliding-block heat-rod
+    shear-box'
 runs=$(mktemp -d)
 trap 'rm -rf "$runs"' EXIT
 mkdir -p "$to/gallery"
@@ -72,12 +73,21 @@ draw()
         ;;
     sliding-block) chart gallery/sliding-block history --x time --y block_vx ;;
     heat-rod) chart gallery/heat-rod profile-rod --x x --y temperature --by time ;;
+    shear-box)
+        chart gallery/shear-box-force history --x time --y lid_fy --dashed lid_fx
+        snapshot gallery/shear-box 8571 -c contacts
+        ;;
     *) echo "pictures.sh: no pictures of '$deck'; there are: $all" >&2; exit 2 ;;
     esac
 }
 
 chosen=${*:-$all}
 for deck in $chosen; do
-    "$bin/dm2-seq" "input/$deck.dm2" -q -o "$runs/$deck" --overwrite
+    case $deck in
+    shear-box) options='-D inertial=1e-3' ;;
+    *) options= ;;
+    esac
+    # shellcheck disable=SC2086 # the words of the options
+    "$bin/dm2-seq" "input/$deck.dm2" $options -q -o "$runs/$deck" --overwrite
     draw
 done
