@@ -55,6 +55,7 @@ static enum dm2_status write_snapshot(struct sequence *s, struct dm2_error *err)
     size_t n = subdomain_owned(s->sd), n_pairs = 0;
     struct pair_record *pairs = NULL;
     struct pair_measure *forces = NULL;
+    struct snapshot_walls walls = {.forces = {.n = 0}};
     struct element *elements = mem_alloc(n, sizeof *elements);
     struct element_measure *measured = mem_alloc(n, sizeof *measured);
     enum dm2_status status = DM2_OK;
@@ -65,8 +66,15 @@ static enum dm2_status write_snapshot(struct sequence *s, struct dm2_error *err)
     if (status == DM2_OK)
         status = subdomain_collect_acting(s->sd, &pairs, &forces, &n_pairs, err);
     if (status == DM2_OK)
+        status = subdomain_collect_wall_forces(s->sd, &walls.forces, err);
+    if (status == DM2_OK)
+        status = wall_outlines_find(s->run->model, subdomain_loading(s->sd), subdomain_step(s->sd),
+                                    &walls.outlines, err);
+    if (status == DM2_OK)
         status = results_snapshot(s->results, subdomain_step(s->sd), elements, measured, n, pairs, forces,
-                                  n_pairs, err);
+                                  n_pairs, &walls, err);
+    free(walls.forces.records);
+    wall_outlines_free(&walls.outlines);
     free(pairs);
     free(forces);
     free(measured);
@@ -175,7 +183,8 @@ static enum dm2_status take_step(struct sequence *s, struct dm2_error *err)
     if (status == DM2_OK)
         status = write_profiles(s, err);
     if (status == DM2_OK)
-        status = subdomain_move(s->sd, &dmax, n == c->n_start || schedule_history(c, n) ? &measures : NULL, err);
+        status =
+            subdomain_move(s->sd, &dmax, n == c->n_start || schedule_history(c, n) ? &measures : NULL, err);
     if (status == DM2_OK)
         take_totals(s);
     if (status == DM2_OK && n == c->n_start)

@@ -252,6 +252,8 @@ static enum dm2_status run_step(struct client *c, int64_t n, bool *rebuild, stru
     bool ends = false, watched = history && config->n_stops > 0;
     if (status == DM2_OK && watched)
         status = watch_row(c, n, &sum.measures, &ends, err);
+    if (status == DM2_OK && snapshot)
+        status = collection_place_walls(&c->collection, err);
     if (status == DM2_OK)
         status = move_loaded(c, sum.loads, err);
     if (status == DM2_OK)
@@ -348,6 +350,8 @@ enum dm2_status client_finish(struct client *c, struct dm2_error *err)
         status = results_cracks(c->job->results, config->steps, &c->cracks, err);
     if (status == DM2_OK)
         status = collection_write_profiles(&c->collection, err);
+    if (status == DM2_OK && snapshot)
+        status = collection_place_walls(&c->collection, err);
     if (status == DM2_OK && snapshot)
         status = collection_write(&c->collection, STATE_SNAPSHOT, err);
     if (status == DM2_OK)

@@ -21,7 +21,10 @@ static struct compilation *find_state(struct collection *c, enum state_purpose p
 static enum dm2_status open_state(struct collection *c, enum state_purpose purpose, struct dm2_error *err)
 {
     struct compilation *state = find_state(c, purpose);
-    state_merge_open(&state->merge, record_limits_of(c->job->model));
+    struct record_limits limits = record_limits_of(c->job->model);
+    if (purpose == STATE_SNAPSHOT)
+        limits.sections = section_in_snapshot(c->job->config);
+    state_merge_open(&state->merge, limits);
     state->whole = mem_zalloc((size_t)c->talk->ranks, sizeof *state->whole);
     return state->whole != NULL ? DM2_OK
                                 : dm2_fail(err, DM2_MEMORY, "no memory for %d servers", c->talk->ranks);
@@ -74,6 +77,7 @@ void collection_close(struct collection *c)
     close_state(&c->final);
     close_state(&c->copy);
     close_profiles(c);
+    wall_outlines_free(&c->outlines);
 }
 
 /* --- what is due --- */
@@ -183,8 +187,16 @@ enum dm2_status collection_write(struct collection *c, enum state_purpose purpos
         const struct state_view whole = state_merge_view(m, state->step);
         return results_final(c->job->results, &whole, err);
     }
+    struct snapshot_walls walls = {.forces = m->sections[SECTION_WFOR]};
+    walls.outlines = c->outlines;
     return results_snapshot(c->job->results, state->step, m->elements, m->measured, m->n_seen, m->pairs,
-                            m->forces, m->n_pairs, err);
+                            m->forces, m->n_pairs, &walls, err);
+}
+
+enum dm2_status collection_place_walls(struct collection *c, struct dm2_error *err)
+{
+    wall_outlines_free(&c->outlines);
+    return wall_outlines_find(c->job->model, c->loading, c->snapshot.step, &c->outlines, err);
 }
 
 enum dm2_status collection_write_profiles(struct collection *c, struct dm2_error *err)

@@ -14,7 +14,7 @@
 #include "dm2/cluster/client.h"
 #include "dm2/cluster/messages.h"
 #include "dm2/engine/loading.h"
-#include "dm2/engine/loading.h"
+#include "dm2/engine/wall_outline.h"
 #include "dm2/engine/profile.h"
 #include "dm2/net/frame.h"
 #include "conversation.h"
@@ -41,6 +41,7 @@ struct collection {
     struct course *course;         /* keeps the copies */
     struct conversation *talk;     /* for failures of servers */
     const struct loading *loading; /* for the states of bodies under force; NULL: there are none */
+    struct wall_outlines outlines; /* of the last snapshot */
     struct compilation snapshot, final, copy;
     struct profile_part *profiles; /* [config->n_profiles] */
     int64_t profile_step;          /* the step of all profiles */
@@ -63,6 +64,10 @@ void collection_expect_profiles(struct collection *c, int64_t step);
  * result; DM2_PROTOCOL: the frame is not due or does not decode; DM2_MEMORY. */
 bool collection_take(struct collection *c, int rank, const struct frame *frame, enum dm2_status *status,
                      struct dm2_error *err);
+
+/* Notes where the walls are, for the snapshot of the step of *c->loading; before the bodies under force move
+ * on. DM2_MEMORY. */
+enum dm2_status collection_place_walls(struct collection *c, struct dm2_error *err);
 
 /* Completes the state of this purpose: writes a snapshot or the final state to the results, gives a copy to
  * the course. DM2_PROTOCOL: a server's part is missing, or the state is not whole; DM2_IO, DM2_MEMORY. */

@@ -57,6 +57,8 @@ static enum dm2_status send_state(struct session *s, enum state_purpose purpose,
                      : subdomain_collect_pairs(s->sd, &pairs, &parts.state.n_pairs, err);
     if (status == DM2_OK && purpose != STATE_SNAPSHOT)
         status = subdomain_collect_sections(s->sd, parts.state.sections, err);
+    else if (status == DM2_OK)
+        status = subdomain_collect_wall_forces(s->sd, &parts.state.sections[SECTION_WFOR], err);
     server_beat(s);
     parts.state.elements = elements;
     parts.measured = measured;

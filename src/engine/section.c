@@ -174,6 +174,51 @@ static bool wall_contact_valid(const void *record, const struct record_limits *l
     return element_valid(c->id, limits, text);
 }
 
+/* --- WFOR --- */
+
+static void put_wall_force(struct bytes_writer *w, const void *record)
+{
+    const struct wall_force *f = record;
+    bytes_put_u32(w, f->id);
+    bytes_put_u32(w, f->feature);
+    bytes_put_u16(w, f->wall);
+    bytes_put_f64s(w, f->foot, 2);
+    bytes_put_f64s(w, f->force, 2);
+    bytes_put_f64(w, f->normal);
+    bytes_put_f64(w, f->tangential);
+}
+
+static void get_wall_force(struct bytes_reader *r, void *record)
+{
+    struct wall_force *f = record;
+    f->id = bytes_get_u32(r);
+    f->feature = bytes_get_u32(r);
+    f->wall = bytes_get_u16(r);
+    bytes_get_f64s(r, f->foot, 2);
+    bytes_get_f64s(r, f->force, 2);
+    f->normal = bytes_get_f64(r);
+    f->tangential = bytes_get_f64(r);
+}
+
+static int compare_wall_force(const void *a, const void *b)
+{
+    const struct wall_force *x = a, *y = b;
+    int by_id = compare_u32(x->id, y->id);
+    return by_id != 0 ? by_id : compare_u32(x->feature, y->feature);
+}
+
+static bool wall_force_valid(const void *record, const struct record_limits *limits, char *text)
+{
+    const struct wall_force *f = record;
+    if (!are_finite(f->foot, 2) || !are_finite(f->force, 2) || !isfinite(f->normal) ||
+        !isfinite(f->tangential))
+        return refuse(text, "has a number that is not finite for element %" PRIu32, f->id);
+    if (limits != NULL && (f->feature >= limits->features || f->wall + limits->bodies >= limits->movers))
+        return refuse(text, "names feature %" PRIu32 " of wall %u, counted from 0; the deck has not both",
+                      f->feature, (unsigned)f->wall);
+    return element_valid(f->id, limits, text);
+}
+
 /* --- the table --- */
 
 const struct section_kind section_kinds[SECTION_COUNT] = {
@@ -183,6 +228,8 @@ const struct section_kind section_kinds[SECTION_COUNT] = {
                       body_valid},
     [SECTION_WCON] = {"WCON", 17, sizeof(struct wall_contact), true, put_wall_contact, get_wall_contact,
                       compare_wall_contact, wall_contact_valid},
+    [SECTION_WFOR] = {"WFOR", 58, sizeof(struct wall_force), true, put_wall_force, get_wall_force,
+                      compare_wall_force, wall_force_valid},
 };
 
 unsigned section_has(const struct config *config)
@@ -195,6 +242,11 @@ unsigned section_has(const struct config *config)
                    ? 1u << SECTION_BODY
                    : 0u;
     return has;
+}
+
+unsigned section_in_snapshot(const struct config *config)
+{
+    return config->n_walls > 0 ? 1u << SECTION_WFOR : 0u;
 }
 
 uint32_t section_element(const void *record)

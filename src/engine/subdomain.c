@@ -289,7 +289,8 @@ enum dm2_status subdomain_forces(struct subdomain *sd, bool measure, struct dm2_
                                 sd->step, err);
     if (status == DM2_OK && m->n_walls > 0)
         status = walls_evaluate(&sd->walls, m, &sd->p, sd->step, leapfrog_kick_time(m, sd->step),
-                                leapfrog_path_time(m, sd->step), totals ? &sd->totals : NULL, err);
+                                leapfrog_path_time(m, sd->step), totals ? &sd->totals : NULL,
+                                sd->lists.forces != NULL, err);
     subdomain_beat(sd);
     sd->stiffness = (struct stiffness){0};
     if (status == DM2_OK && measure && schedule_limit(m->config, sd->step))

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "dm2/base/mem.h"
+#include "dm2/base/number.h"
 #include "loading_parts.h"
 #include "motion.h"
 #include "pair_pass.h"
@@ -65,6 +66,7 @@ void walls_free(struct walls *ws)
     free(ws->pose);
     free(ws->anchor);
     free(ws->sums);
+    free(ws->forces.records);
     *ws = (struct walls){0};
 }
 
@@ -72,7 +74,7 @@ size_t walls_bytes(const struct walls *ws, const struct model *m)
 {
     return (ws->row_cap + ws->start_cap) * sizeof(uint32_t) + ws->work_cap * sizeof(double) +
            (ws->entry_cap + ws->next_cap) * sizeof(struct wall_entry) +
-           ws->carried_cap * sizeof(struct wall_carried) +
+           ws->carried_cap * sizeof(struct wall_carried) + ws->forces.cap * sizeof(struct wall_force) +
            m->n_walls * (2 * sizeof(struct wall_pose) + sizeof(struct wall_sums));
 }
 
@@ -196,6 +198,7 @@ struct wall_pass {
     int64_t step;
     double dt_kick, dt_path;
     struct pair_totals *totals;
+    bool note;
 };
 
 /* The pair as the law sees it. The wall's side moves as the foot does; the lever of the tangential force is
@@ -364,6 +367,26 @@ static double book_work(const struct wall_pass *a, const struct wall_pose *pose,
     return sign * (power * a->dt_kick + e->exchange);
 }
 
+static enum dm2_status note_force(const struct wall_pass *a, size_t i, size_t wall, uint32_t feature,
+                                  const struct wall_meeting *at, const struct pair_effect *e,
+                                  const double force[2], struct dm2_error *err)
+{
+    struct wall_force note;
+    memset(&note, 0, sizeof note);
+    note.id = a->p->id[i];
+    note.feature = feature;
+    note.wall = (uint16_t)wall;
+    for (size_t c = 0; c < 2; c++) {
+        note.foot[c] = a->p->r[2 * i + c] - at->d * at->n[c];
+        note.force[c] = force[c];
+    }
+    note.normal = number_plus_zero(at->sign * e->fn);
+    note.tangential = number_plus_zero(at->sign * e->ft);
+    return section_append(SECTION_WFOR, &a->ws->forces, &note, 1)
+               ? DM2_OK
+               : dm2_fail(err, DM2_MEMORY, "no memory for the forces of walls");
+}
+
 /* Entry k of the row of slot i: its memory after the evaluation goes to *next. */
 static enum dm2_status evaluate_entry(const struct wall_pass *a, size_t i, const struct wall_entry *row,
                                       size_t n, size_t k, struct wall_entry *next, double *work,
@@ -420,17 +443,24 @@ static enum dm2_status evaluate_entry(const struct wall_pass *a, size_t i, const
         (a->totals != NULL && !measure_contact(a, i, &at, &effect, at.sign, force)))
         return fail_range(a, i, w, err);
     a->ws->sums[wall].contacts += at.sign;
-    return DM2_OK;
+    return a->note ? note_force(a, i, wall, row[k].feature, &at, &effect, force, err) : DM2_OK;
 }
 
 /* --- all contacts --- */
 
 enum dm2_status walls_evaluate(struct walls *ws, const struct model *m, const struct particles *p,
                                int64_t step, double dt_kick, double dt_path, struct pair_totals *totals,
-                               struct dm2_error *err)
+                               bool note, struct dm2_error *err)
 {
-    const struct wall_pass pass = {
-        .ws = ws, .m = m, .p = p, .step = step, .dt_kick = dt_kick, .dt_path = dt_path, .totals = totals};
+    const struct wall_pass pass = {.ws = ws,
+                                   .m = m,
+                                   .p = p,
+                                   .step = step,
+                                   .dt_kick = dt_kick,
+                                   .dt_path = dt_path,
+                                   .totals = totals,
+                                   .note = note};
+    ws->forces.n = 0;
     memset(ws->sums, 0, m->n_walls * sizeof *ws->sums);
     for (size_t row = 0; row < ws->n_rows; row++) {
         struct wall_entry *entry = ws->entry + ws->start[row];

@@ -10,6 +10,7 @@
 #include "dm2/base/status.h"
 #include "dm2/engine/element.h"
 #include "dm2/engine/rebuild.h"
+#include "dm2/engine/section.h"
 #include "dm2/engine/wall_sums.h"
 #include "force.h"
 #include "particles.h"
@@ -51,6 +52,7 @@ struct walls {
     size_t n_carried, carried_cap;
     struct wall_pose *pose, *anchor; /* [n_walls] at the last evaluation, at the last rebuild */
     struct wall_sums *sums;          /* [n_walls] of the last evaluation, over owned elements */
+    struct section_array forces;     /* of SECTION_WFOR, of the last evaluation where `note` was true */
 };
 
 /* Room for the walls of *m. DM2_MEMORY. */
@@ -101,12 +103,13 @@ static inline bool wall_holds(const struct model *m, const struct wall *w, const
 
 /* After walls_place: adds the forces, torques and heats of all walls to the pair sums of the owned elements,
  * and updates the memory; with totals (else NULL) also their energies and counts, and the virials of the
- * elements. dt_kick and dt_path as in law.h. Errors, with id, wall and place: DM2_DECK at step 0, else
- * DM2_NUMERIC: an element is deeper in a wall than half its radius, or moves against it by more than a
- * quarter of its radius in a step; DM2_NUMERIC: a force or a heat is out of range. */
+ * elements; with `note` keeps the force of each contact. dt_kick and dt_path as in law.h. Errors, with id,
+ * wall and place: DM2_DECK at step 0, else DM2_NUMERIC: an element is deeper in a wall than half its radius,
+ * or moves against it by more than a quarter of its radius in a step; DM2_NUMERIC: a force or a heat is out
+ * of range. DM2_MEMORY. */
 enum dm2_status walls_evaluate(struct walls *ws, const struct model *m, const struct particles *p,
                                int64_t step, double dt_kick, double dt_path, struct pair_totals *totals,
-                               struct dm2_error *err);
+                               bool note, struct dm2_error *err);
 
 /* After walls_place and before phase_account, which clears the marks: books what the changes of kind take
  * from the contacts with walls, all of it in p->moved of the element. DM2_NUMERIC: an energy is out of range.

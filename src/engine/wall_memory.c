@@ -87,6 +87,15 @@ enum dm2_status wall_memory_collect(const struct subdomain *sd, struct section_a
     return section_sort(SECTION_WCON, out, err);
 }
 
+enum dm2_status subdomain_collect_wall_forces(const struct subdomain *sd, struct section_array *out,
+                                              struct dm2_error *err)
+{
+    const struct section_array *forces = &sd->walls.forces;
+    if (!section_append(SECTION_WFOR, out, forces->records, forces->n))
+        return subdomain_no_memory(sd, err);
+    return section_sort(SECTION_WFOR, out, err);
+}
+
 /* --- sums --- */
 
 const struct wall_sums *subdomain_wall_sums(const struct subdomain *sd)

@@ -219,7 +219,7 @@ static enum dm2_status write_snapshot(struct results *r, const struct snapshot *
 enum dm2_status results_snapshot(struct results *r, int64_t step, const struct element *elements,
                                  const struct element_measure *measured, size_t n_elements,
                                  const struct pair_record *pairs, const struct pair_measure *forces,
-                                 size_t n_pairs, struct dm2_error *err)
+                                 size_t n_pairs, const struct snapshot_walls *walls, struct dm2_error *err)
 {
     struct fragment_counts counts;
     if (step <= r->snapshot_step)
@@ -233,7 +233,7 @@ enum dm2_status results_snapshot(struct results *r, int64_t step, const struct e
     if (status == DM2_OK)
         status = write_snapshot(r,
                                 &(struct snapshot){r->config, step, elements, measured, n_elements, pairs,
-                                                   forces, n_pairs, fragment},
+                                                   forces, n_pairs, fragment, walls},
                                 err);
     if (status == DM2_OK)
         r->snapshot_step = step;

@@ -8,7 +8,15 @@
  * the vertices (0), then the lines: id_a, id_b (of a vertex its element's), linked, force_x, force_y (on
  * element id_a; exactly what the sums of the run added), normal (> 0 pushes apart), tangential [Mbar cm2]. A
  * line across a periodic side, or to an element that is not shown, begins and ends at one point, so that
- * nothing is drawn. The deck's `fields` and `bodies` choose of these. Field data: TimeValue [us], step,
+ * nothing is drawn.
+ *
+ * In a deck with walls, points without a vertex follow: the foot of each contact with a wall, then the points
+ * of the walls. Their values are 0 but for id, 4294967295. After the lines of pairs come a line from each
+ * element to its foot (id_b 4294967295; force on the element), then a polyline per wall (both ids
+ * 4294967295), and each cell has `wall`, the index in the array `walls` of names in the field data, 65535 of
+ * none. The feet of an element that is not shown have lines without length.
+ *
+ * The deck's `fields` and `bodies` choose of these. Field data: TimeValue [us], step,
  * domain (x0, y0, width, height [cm]), periodic, and the names of kinds (array `materials`, indexed by
  * `kind`) and of bodies. Positions and velocities have a z of 0. Numbers are little-endian in base64,
  * floating point numbers 64 bits wide.
@@ -26,6 +34,7 @@
 #include "dm2/base/status.h"
 #include "dm2/deck/config.h"
 #include "dm2/engine/element.h"
+#include "dm2/output/results.h"
 
 /* A state as measured at one step. All pointers are borrowed; `elements` in id order, `measured` beside
  * them. */
@@ -38,7 +47,8 @@ struct snapshot {
     const struct pair_record *pairs;
     const struct pair_measure *forces; /* beside the pairs */
     size_t n_pairs;
-    const uint32_t *fragment; /* fragment of each element, or NULL: unknown */
+    const uint32_t *fragment;           /* fragment of each element, or NULL: unknown */
+    const struct snapshot_walls *walls; /* NULL: the deck has none */
 };
 
 /* Write the state in one format. snapshot_write_vtp: DM2_NUMERIC, too, where a pair names an absent

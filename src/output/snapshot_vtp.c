@@ -21,15 +21,28 @@ static const struct {
     size_t bytes;
 } type_info[] = {{"UInt8", 1}, {"UInt16", 2}, {"UInt32", 4}, {"Int32", 4}, {"Int64", 8}, {"Float64", 8}};
 
-/* What the file draws: a point per element that is shown, a line per pair with such an element. */
+/* What the file draws: a point per element that is shown, a line per pair with such an element; the feet of
+ * contacts with walls, and the walls. */
 struct drawing {
-    size_t *point, n_points; /* [n_elements] the point of each element that is shown */
+    size_t *point, n_shown; /* [n_elements] the point of each element that is shown */
     struct {
         size_t end[2]; /* points */
         size_t pair;
     } * line;
     size_t n_lines;
+    const struct wall_force *foot; /* [n_feet], whose points follow those of elements */
+    size_t n_feet;
+    const struct wall_outlines *outlines; /* whose points follow the feet */
+    size_t n_outline;
 };
+
+enum { NO_WALL = UINT16_MAX };
+static const uint32_t no_element = UINT32_MAX;
+
+static size_t count_points(const struct drawing *d)
+{
+    return d->n_shown + d->n_feet + d->n_outline;
+}
 
 /* A value of a pair. */
 struct pair_field {
@@ -105,10 +118,22 @@ static void close_array(struct base64 *b)
     file_puts(b->file, "</DataArray>\n");
 }
 
+/* The values of a point that is no element: its place, else 0, but for the id. */
+static void write_extra(struct base64 *b, const struct snapshot_field *f, const double place[2])
+{
+    bool is_place = f == &snapshot_position, is_id = strcmp(f->name, "id") == 0;
+    for (int c = 0; c < f->components; c++)
+        base64_put(b,
+                   is_place && c < 2 ? bits_of(place[c])
+                   : is_id           ? no_element
+                                     : 0,
+                   type_info[f->type].bytes);
+}
+
 static void write_field(struct base64 *b, const struct snapshot_field *f, const struct snapshot *s,
                         const struct drawing *d)
 {
-    open_array(b, f, d->n_points);
+    open_array(b, f, count_points(d));
     for (size_t i = 0; i < s->n_elements; i++) {
         double value[3];
         if (!snapshot_shows(s, i))
@@ -118,6 +143,10 @@ static void write_field(struct base64 *b, const struct snapshot_field *f, const 
             base64_put(b, f->type == TYPE_F64 ? bits_of(value[c]) : (uint64_t)(int64_t)value[c],
                        type_info[f->type].bytes);
     }
+    for (size_t k = 0; k < d->n_feet; k++)
+        write_extra(b, f, d->foot[k].foot);
+    for (size_t k = 0; k < d->n_outline; k++)
+        write_extra(b, f, d->outlines->point[k]);
     close_array(b);
 }
 
@@ -134,13 +163,16 @@ static bool is_long(size_t largest)
     return largest > INT32_MAX;
 }
 
-/* Offsets of n vertices or lines with `points` points each. */
-static void write_offsets(struct base64 *b, size_t n, size_t points)
+/* Offsets of n vertices or lines with `points` points each, then of the walls' polylines. */
+static void write_offsets(struct base64 *b, size_t n, size_t points, const struct wall_outlines *walls)
 {
-    const struct snapshot_field *f = &offsets[is_long(n * points)];
-    open_array(b, f, n);
+    size_t n_walls = walls != NULL ? walls->n_walls : 0, last = n_walls > 0 ? walls->start[n_walls] : 0;
+    const struct snapshot_field *f = &offsets[is_long(n * points + last)];
+    open_array(b, f, n + n_walls);
     for (size_t i = 1; i <= n; i++)
         base64_put(b, (uint64_t)(i * points), type_info[f->type].bytes);
+    for (size_t k = 1; k <= n_walls; k++)
+        base64_put(b, (uint64_t)(n * points + walls->start[k]), type_info[f->type].bytes);
     close_array(b);
 }
 
@@ -152,41 +184,86 @@ static void write_vertices(struct base64 *b, size_t n)
     for (size_t i = 0; i < n; i++)
         base64_put(b, (uint64_t)i, type_info[f->type].bytes);
     close_array(b);
-    write_offsets(b, n, 1);
+    write_offsets(b, n, 1, NULL);
     file_puts(b->file, "      </Verts>\n");
 }
 
-static void write_lines(struct base64 *b, const struct drawing *d)
+static void write_lines(struct base64 *b, const struct snapshot *s, const struct drawing *d)
 {
-    const struct snapshot_field *f = &connectivity[is_long(d->n_points)];
+    const struct snapshot_field *f = &connectivity[is_long(count_points(d))];
+    const size_t width = type_info[f->type].bytes;
     file_puts(b->file, "      <Lines>\n");
-    open_array(b, f, 2 * d->n_lines);
+    open_array(b, f, 2 * (d->n_lines + d->n_feet) + d->n_outline);
     for (size_t k = 0; k < d->n_lines; k++) {
-        base64_put(b, d->line[k].end[0], type_info[f->type].bytes);
-        base64_put(b, d->line[k].end[1], type_info[f->type].bytes);
+        base64_put(b, d->line[k].end[0], width);
+        base64_put(b, d->line[k].end[1], width);
     }
+    for (size_t k = 0; k < d->n_feet; k++) {
+        size_t i = element_find(s->elements, s->n_elements, d->foot[k].id), foot = d->n_shown + k;
+        base64_put(b, snapshot_shows(s, i) ? d->point[i] : foot, width);
+        base64_put(b, foot, width);
+    }
+    for (size_t k = 0; k < d->n_outline; k++)
+        base64_put(b, d->n_shown + d->n_feet + k, width);
     close_array(b);
-    write_offsets(b, d->n_lines, 2);
+    write_offsets(b, d->n_lines + d->n_feet, 2, d->outlines);
     file_puts(b->file, "      </Lines>\n");
 }
 
 /* --- the arrays of pairs --- */
+
+static void write_pair_value(struct base64 *b, const struct pair_field *f, const struct pair_record *pair,
+                             const struct pair_measure *measure)
+{
+    double value = f->get(pair, measure);
+    base64_put(b, f->type == TYPE_F64 ? bits_of(value) : (uint64_t)value, type_info[f->type].bytes);
+}
+
+static size_t count_walls(const struct drawing *d)
+{
+    return d->outlines != NULL ? d->outlines->n_walls : 0;
+}
 
 /* Cells are the vertices, then the lines; a vertex has its element's id twice, and 0. */
 static void write_pair_field(struct base64 *b, const struct pair_field *f, const struct snapshot *s,
                              const struct drawing *d)
 {
     const struct snapshot_field array = {f->name, NULL, f->type, 1, {NULL, NULL, NULL}, NULL, NULL};
-    open_array(b, &array, d->n_points + d->n_lines);
+    open_array(b, &array, d->n_shown + d->n_lines + d->n_feet + count_walls(d));
     for (size_t i = 0; i < s->n_elements; i++) {
         if (snapshot_shows(s, i))
             base64_put(b, f->is_id ? s->elements[i].id : 0, type_info[f->type].bytes);
     }
     for (size_t k = 0; k < d->n_lines; k++) {
         size_t p = d->line[k].pair;
-        double value = f->get(&s->pairs[p], &s->forces[p]);
-        base64_put(b, f->type == TYPE_F64 ? bits_of(value) : (uint64_t)value, type_info[f->type].bytes);
+        write_pair_value(b, f, &s->pairs[p], &s->forces[p]);
     }
+    struct pair_record pair = {.id_b = no_element};
+    for (size_t k = 0; k < d->n_feet; k++) {
+        const struct wall_force *at = &d->foot[k];
+        pair.id_a = at->id;
+        write_pair_value(b, f, &pair,
+                         &(struct pair_measure){{at->force[0], at->force[1]}, at->normal, at->tangential});
+    }
+    pair.id_a = no_element;
+    for (size_t k = 0; k < count_walls(d); k++)
+        write_pair_value(b, f, &pair, &(struct pair_measure){.normal = 0.0});
+    close_array(b);
+}
+
+/* The wall of each cell. */
+static void write_cell_walls(struct base64 *b, const struct drawing *d)
+{
+    const struct snapshot_field array = {"wall", NULL, TYPE_U16, 1, {NULL, NULL, NULL}, NULL, NULL};
+    if (count_walls(d) == 0)
+        return;
+    open_array(b, &array, d->n_shown + d->n_lines + d->n_feet + count_walls(d));
+    for (size_t k = 0; k < d->n_shown + d->n_lines; k++)
+        base64_put(b, NO_WALL, type_info[TYPE_U16].bytes);
+    for (size_t k = 0; k < d->n_feet; k++)
+        base64_put(b, d->foot[k].wall, type_info[TYPE_U16].bytes);
+    for (size_t k = 0; k < count_walls(d); k++)
+        base64_put(b, k, type_info[TYPE_U16].bytes);
     close_array(b);
 }
 
@@ -242,11 +319,12 @@ static const struct pair_field pair_fields[] = {{"id_a", TYPE_U32, true, get_id_
 
 static void write_pairs(struct base64 *b, const struct snapshot *s, const struct drawing *d)
 {
-    if (!snapshot_has_pairs(s))
+    if (!snapshot_has_pairs(s) && count_walls(d) == 0)
         return;
     file_puts(b->file, "      <CellData>\n");
-    for (size_t k = 0; k < sizeof pair_fields / sizeof pair_fields[0]; k++)
+    for (size_t k = 0; k < sizeof pair_fields / sizeof pair_fields[0] && snapshot_has_pairs(s); k++)
         write_pair_field(b, &pair_fields[k], s, d);
+    write_cell_walls(b, d);
     file_puts(b->file, "      </CellData>\n");
 }
 
@@ -302,7 +380,14 @@ static void write_field_data(struct file_out *f, const struct snapshot *s)
     open_string_array(f, "bodies", c->n_bodies);
     for (size_t m = 0; m < c->n_bodies; m++)
         write_string(f, c->bodies[m].name);
-    file_puts(f, "</Array>\n    </FieldData>\n");
+    file_puts(f, "</Array>\n");
+    if (s->walls != NULL && s->walls->outlines.n_walls > 0) {
+        open_string_array(f, "walls", c->n_walls);
+        for (size_t k = 0; k < c->n_walls; k++)
+            write_string(f, c->walls[k].name);
+        file_puts(f, "</Array>\n");
+    }
+    file_puts(f, "    </FieldData>\n");
 }
 
 /* The two points of a pair's line. A line across a periodic side, or to an element that is not shown, ends
@@ -337,6 +422,24 @@ static enum dm2_status find_lines(const struct snapshot *s, struct drawing *d, s
     return DM2_OK;
 }
 
+static enum dm2_status find_walls(const struct snapshot *s, struct drawing *d, struct dm2_error *err)
+{
+    const struct snapshot_walls *w = s->walls;
+    if (w == NULL || w->outlines.n_walls == 0)
+        return DM2_OK;
+    d->outlines = &w->outlines;
+    d->n_outline = w->outlines.start[w->outlines.n_walls];
+    d->foot = w->forces.records;
+    d->n_feet = snapshot_has_pairs(s) ? w->forces.n : 0;
+    for (size_t k = 0; k < d->n_feet; k++)
+        if (element_find(s->elements, s->n_elements, d->foot[k].id) == s->n_elements)
+            return dm2_fail(err, DM2_NUMERIC,
+                            "snapshot of step %" PRId64 ": a contact with a wall names element %" PRIu32
+                            ", which is not in the state",
+                            s->step, d->foot[k].id);
+    return DM2_OK;
+}
+
 /* Numbers the points and finds the lines. The caller frees *d with close_drawing, also after a failure. */
 static enum dm2_status open_drawing(const struct snapshot *s, struct drawing *d, struct dm2_error *err)
 {
@@ -346,10 +449,11 @@ static enum dm2_status open_drawing(const struct snapshot *s, struct drawing *d,
         return dm2_fail(err, DM2_MEMORY, "no memory for the lines of a snapshot of %zu elements",
                         s->n_elements);
     for (size_t i = 0; i < s->n_elements; i++) {
-        d->point[i] = d->n_points;
-        d->n_points += snapshot_shows(s, i);
+        d->point[i] = d->n_shown;
+        d->n_shown += snapshot_shows(s, i);
     }
-    return find_lines(s, d, err);
+    enum dm2_status status = find_lines(s, d, err);
+    return status == DM2_OK ? find_walls(s, d, err) : status;
 }
 
 static void close_drawing(struct drawing *d)
@@ -364,11 +468,11 @@ static void write_piece(struct base64 *b, const struct snapshot *s, const struct
         b->file,
         "    <Piece NumberOfPoints=\"%zu\" NumberOfVerts=\"%zu\" NumberOfLines=\"%zu\" NumberOfStrips=\"0\""
         " NumberOfPolys=\"0\">\n      <Points>\n",
-        d->n_points, d->n_points, d->n_lines);
+        count_points(d), d->n_shown, d->n_lines + d->n_feet + count_walls(d));
     write_field(b, &snapshot_position, s, d);
     file_puts(b->file, "      </Points>\n");
-    write_vertices(b, d->n_points);
-    write_lines(b, d);
+    write_vertices(b, d->n_shown);
+    write_lines(b, s, d);
     file_printf(b->file, "      <PointData%s%s>\n", snapshot_writes(s, "kind") ? " Scalars=\"kind\"" : "",
                 snapshot_writes(s, "velocity") ? " Vectors=\"velocity\"" : "");
     for (int a = 0; a < SNAPSHOT_FIELDS; a++)

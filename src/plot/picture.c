@@ -211,6 +211,65 @@ static void draw_links(struct svg *svg, const struct picture *p)
     svg_puts(svg, "\"/>\n");
 }
 
+/* --- walls --- */
+
+static double frame_x(const struct picture *p, double x)
+{
+    return p->left + fmin(fmax((x - p->view[0]) * p->scale, -1e6), 1e6);
+}
+
+static double frame_y(const struct picture *p, double y)
+{
+    return p->top + fmin(fmax((p->view[3] - y) * p->scale, -1e6), 1e6);
+}
+
+/* Opens a group that shows nothing beyond the frame, nor beyond the periodic sides of the domain. */
+static void open_clip(struct svg *svg, const struct picture *p, const double *domain, const bool periodic[2])
+{
+    double box[4];
+    for (int a = 0; a < 2; a++) {
+        box[a] = periodic[a] ? domain[a] : p->view[a];
+        box[2 + a] = periodic[a] ? domain[a] + domain[2 + a] : p->view[2 + a];
+    }
+    svg_number(svg, "<clipPath id=\"frame\"><rect x=\"", frame_x(p, box[0]));
+    svg_number(svg, "\" y=\"", frame_y(p, box[3]));
+    svg_number(svg, "\" width=\"", (box[2] - box[0]) * p->scale);
+    svg_number(svg, "\" height=\"", (box[3] - box[1]) * p->scale);
+    svg_puts(svg, "\"/></clipPath>\n<g clip-path=\"url(#frame)\" fill=\"none\" stroke=\"#111\" "
+                  "stroke-width=\"1.6\" stroke-linejoin=\"round\">\n");
+}
+
+/* Each wall, and its images across periodic sides. */
+static void draw_walls(struct svg *svg, const struct picture *p)
+{
+    const struct vtp *vtp = p->vtp;
+    const struct vtp_array *domain = vtp_find(vtp, "FieldData", "domain");
+    const struct vtp_array *periodic = vtp_find(vtp, "FieldData", "periodic");
+    bool images[2] = {false, false};
+    if (vtp->walls.n == 0)
+        return;
+    for (int a = 0; a < 2 && periodic != NULL && periodic->n_tuples == 2; a++)
+        images[a] = domain != NULL && domain->n_tuples == 4 && periodic->values[a] != 0.0;
+    open_clip(svg, p, domain != NULL ? domain->values : NULL, images);
+    for (int turn = 0; turn < 9; turn++) {
+        const int shift[2] = {turn % 3 - 1, turn / 3 - 1};
+        if ((shift[0] != 0 && !images[0]) || (shift[1] != 0 && !images[1]))
+            continue;
+        size_t k = vtp->outline_start;
+        for (size_t w = 0; w < vtp->walls.n; w++) {
+            svg_puts(svg, "<path d=\"");
+            for (bool first = true; (double)k < vtp->outline_end[w]; k++, first = false) {
+                const double *r = vtp->position + 3 * (size_t)vtp->outline[k];
+                svg_number(svg, first ? "M" : "L",
+                           frame_x(p, r[0] + (images[0] ? shift[0] * domain->values[2] : 0.0)));
+                svg_number(svg, " ", frame_y(p, r[1] + (images[1] ? shift[1] * domain->values[3] : 0.0)));
+            }
+            svg_puts(svg, "\"/>\n");
+        }
+    }
+    svg_puts(svg, "</g>\n");
+}
+
 /* --- around the frame --- */
 
 static bool has_colour_bar(const struct picture *p)
@@ -386,6 +445,7 @@ static enum dm2_status draw_picture(struct picture *p, const char *path, struct 
     draw_discs(&svg, p);
     if (p->options->links)
         draw_links(&svg, p);
+    draw_walls(&svg, p);
     draw_scale_bar(&svg, p);
     if (has_colour_bar(p))
         draw_colour_bar(&svg, p);

@@ -34,6 +34,7 @@ struct vtp_reader {
     struct vtp *vtp;
     size_t cap_arrays;
     char section[16];
+    size_t n_verts;
 };
 
 static enum dm2_status fail_at_line(const struct vtp_reader *r, struct dm2_error *err, const char *what)
@@ -259,6 +260,7 @@ static enum dm2_status take_strings(struct vtp_reader *r, const char *name, stru
     size_t n;
     struct vtp_names *names = strcmp(name, "materials") == 0 ? &r->vtp->materials
                               : strcmp(name, "bodies") == 0  ? &r->vtp->bodies
+                              : strcmp(name, "walls") == 0   ? &r->vtp->walls
                                                              : NULL;
     bool ascii = xml_is(format, "ascii");
     enum dm2_status status = take_text(r, &text, err);
@@ -325,6 +327,7 @@ static enum dm2_status take_start(struct vtp_reader *r, struct dm2_error *err)
         if (r->vtp->position != NULL || r->vtp->n_points != 0)
             return fail_at_line(r, err, "a second piece; only one can be read");
         if (!attribute_count(x, "NumberOfPoints", 0, &r->vtp->n_points) ||
+            !attribute_count(x, "NumberOfVerts", r->vtp->n_points, &r->n_verts) ||
             !attribute_count(x, "NumberOfLines", 0, &r->vtp->n_lines))
             return fail_at_line(r, err, "a piece whose counts are no numbers");
     } else if (xml_is(x->name, "DataArray") || xml_is(x->name, "Array")) {
@@ -348,7 +351,7 @@ static enum dm2_status keep_links(struct vtp_reader *r, double *ends, struct dm2
     if (linked == NULL)
         return DM2_OK;
     if (linked->components != 1 || linked->n_tuples < vtp->n_lines ||
-        linked->n_tuples - vtp->n_lines != vtp->n_points)
+        linked->n_tuples - vtp->n_lines != vtp->n_points + vtp->walls.n)
         return dm2_fail(err, DM2_PROTOCOL,
                         "%s: the array 'linked' has %zu tuples for %zu vertices and %zu lines", r->xml.path,
                         linked->n_tuples, vtp->n_points, vtp->n_lines);
@@ -362,24 +365,50 @@ static enum dm2_status keep_links(struct vtp_reader *r, double *ends, struct dm2
     return DM2_OK;
 }
 
-static enum dm2_status check_lines(struct vtp_reader *r, struct dm2_error *err)
+/* The last lines are the polylines of walls, one per name. */
+static enum dm2_status take_walls(struct vtp_reader *r, const double *ends, const double *offsets,
+                                  struct dm2_error *err)
+{
+    struct vtp *vtp = r->vtp;
+    if (vtp->walls.n > vtp->n_lines)
+        return dm2_fail(err, DM2_PROTOCOL, "%s: has %zu walls and %zu lines", r->xml.path, vtp->walls.n,
+                        vtp->n_lines);
+    vtp->n_lines -= vtp->walls.n;
+    vtp->outline = ends;
+    vtp->outline_end = offsets + vtp->n_lines;
+    vtp->outline_start = 2 * vtp->n_lines;
+    return DM2_OK;
+}
+
+static enum dm2_status check_lines(struct vtp_reader *r, size_t points, struct dm2_error *err)
 {
     struct vtp *vtp = r->vtp;
     const struct vtp_array *ends = vtp_find(vtp, "Lines", "connectivity"),
                            *offsets = vtp_find(vtp, "Lines", "offsets");
-    if (vtp->n_lines == 0)
+    const size_t lines = vtp->n_lines;
+    if (lines == 0 && vtp->walls.n == 0)
         return DM2_OK;
-    if (ends == NULL || offsets == NULL || offsets->n_tuples != vtp->n_lines ||
-        ends->n_tuples / 2 != vtp->n_lines)
+    if (ends == NULL || offsets == NULL || offsets->n_tuples != lines)
         return dm2_fail(err, DM2_PROTOCOL, "%s: has not the two points for each of its %zu lines",
-                        r->xml.path, vtp->n_lines);
+                        r->xml.path, lines);
+    enum dm2_status status = take_walls(r, ends->values, offsets->values, err);
+    if (status != DM2_OK)
+        return status;
     for (size_t i = 0; i < vtp->n_lines; i++)
         if (offsets->values[i] != 2.0 * (double)(i + 1))
             return dm2_fail(err, DM2_PROTOCOL, "%s: line %zu has not two points", r->xml.path, i);
+    double last = (double)vtp->outline_start;
+    for (size_t i = vtp->n_lines; i < lines; last = offsets->values[i++])
+        if (!(offsets->values[i] >= last + 2.0))
+            return dm2_fail(err, DM2_PROTOCOL, "%s: wall %zu has not two points", r->xml.path,
+                            i - vtp->n_lines);
+    if (last != (double)ends->n_tuples)
+        return dm2_fail(err, DM2_PROTOCOL, "%s: has not the two points for each of its %zu lines",
+                        r->xml.path, lines);
     for (size_t i = 0; i < ends->n_tuples; i++)
-        if (!(ends->values[i] >= 0 && ends->values[i] < (double)vtp->n_points))
+        if (!(ends->values[i] >= 0 && ends->values[i] < (double)points))
             return dm2_fail(err, DM2_PROTOCOL, "%s: line %zu names point %.15g of %zu", r->xml.path, i / 2,
-                            ends->values[i], vtp->n_points);
+                            ends->values[i], points);
     vtp->line = ends->values;
     return keep_links(r, ends->values, err);
 }
@@ -402,7 +431,13 @@ static enum dm2_status check_shapes(struct vtp_reader *r, struct dm2_error *err)
         if (!isfinite(vtp->position[i]))
             return dm2_fail(err, DM2_PROTOCOL, "%s: point %zu is not at a finite position", r->xml.path,
                             i / 3);
-    return check_lines(r, err);
+    const size_t points = vtp->n_points;
+    if (vtp->walls.n > 0 && r->n_verts > points)
+        return dm2_fail(err, DM2_PROTOCOL, "%s: has %zu points for %zu vertices", r->xml.path, points,
+                        r->n_verts);
+    if (vtp->walls.n > 0)
+        vtp->n_points = r->n_verts;
+    return check_lines(r, points, err);
 }
 
 static enum dm2_status read_events(struct vtp_reader *r, struct dm2_error *err)
@@ -450,6 +485,7 @@ void vtp_free(struct vtp *vtp)
     free(vtp->arrays);
     free_names(&vtp->materials);
     free_names(&vtp->bodies);
+    free_names(&vtp->walls);
     memset(vtp, 0, sizeof *vtp);
 }
 

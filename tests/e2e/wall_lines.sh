@@ -20,6 +20,10 @@ wall stirrer { line = -1 -2.4 0 -2.4 0 -1.4 -1 -1.4 -1 -2.4; rigid = yes }
 wall ring { circle = 2 3.5 1.2; material = a; spin = -0.2 }
 load stir { body = stirrer; velocity_y = 0 0, 8 -0.04, 16 0.02, 24 0; spin = 0 0, 10 0.3, 24 -0.1 }
 load heat { body = floor; temperature = 0 350, 24 400 }
+probe floor { body = floor; report = force, heat, torque, temperature }
+probe stirrer { body = stirrer; report = force, spin, position, velocity }
+probe ring { body = ring; report = force }
+probe b { body = b; report = force } probe c { body = c; report = force }
 output { history_every = 100; snapshot_every = 600 }
 DECK
 seq=$DM2_BIN/dm2-seq client=$DM2_BIN/dm2-client
@@ -38,6 +42,35 @@ for n in 2 3 5; do
     expect_status 0 "$client" deck.dm2 -n $n -q -o "run$n"
     same_run "run$n"
 done
+
+# The contacts of a snapshot sum to the columns, to the last bit, and the columns of all to 0.
+columns()
+{
+    awk -F, -v name="$1" -v step="$2" '
+    NR == 1 { for (k = 1; k <= NF; k++) { sub(/ .*/, "", $k); at[$k] = k } }
+    $1 == step && NR > 1 { print $at[name "_fx"] "," $at[name "_fy"] }' whole/history.csv
+}
+for step in 600 1200; do
+    for of in 'floor wall 0' 'stirrer wall 1' 'ring wall 2' 'b 0' 'c 1'; do
+        want=$(columns ${of%% *} $step)
+        got=$("$DM2_BUILD/tools/body_force" "$(printf 'whole/snapshots/state-%09d.vtp' $step)" ${of#* }) ||
+            fail "body_force: $got"
+        [ "$got" = "$want" ] || fail "step $step, $of: contacts sum to $got, the columns are $want"
+    done
+done
+[ "$(columns floor 1200)" != 0,0 ] || fail 'no force on the floor'
+[ "$(columns ring 1200)" != 0,0 ] || fail 'no force on the ring'
+awk -F, 'NR == 1 { for (k = 1; k <= NF; k++) { sub(/ .*/, "", $k); at[$k] = k } next }
+{ for (a = 1; a <= 2; a++) {
+      f = a == 1 ? "_fx" : "_fy"
+      x = $at["floor" f] + $at["stirrer" f] + $at["ring" f] + $at["b" f] + $at["c" f]
+      if (x != 0) { print "step " $1 ": " f " sums to " x; exit 1 } } }' whole/history.csv >sums ||
+    fail "$(cat sums)"
+
+# The picture has the walls, and the floor's images across the sides.
+expect_status 0 "$DM2_BIN/dm2-plot" snapshot whole/snapshots/state-000000600.vtp -o walls.svg
+[ "$(grep -c '^<path d="M[^"]*L[^"]*L' walls.svg)" = 9 ] ||
+    fail 'the picture has not three walls and their images'
 
 # A checkpoint in the middle has the springs of contacts.
 expect_status 0 "$seq" deck.dm2 -q -o part --checkpoint-every 700

@@ -56,7 +56,7 @@ int main(int argc, char **argv)
         fragment[i] = i / columns > rows / 2;
     f.config.output.strain = true;
     const struct snapshot s = {&f.config, 200,      f.elements, f.measured, f.n,
-                               f.pairs,   f.forces, f.n_pairs,  fragment};
+                               f.pairs,   f.forces, f.n_pairs,  fragment,   NULL};
     size_t length = strlen(argv[3]);
     int xyz = length > 4 && strcmp(argv[3] + length - 4, ".xyz") == 0;
     if ((xyz ? snapshot_write_xyz(argv[3], &s, &err) : snapshot_write_vtp(argv[3], &s, &err)) != DM2_OK) {

@@ -140,7 +140,7 @@ static void read_fake(size_t columns, size_t rows, struct vtp *vtp)
     f.config.output.strain = true;
     uint32_t *fragment = calloc(f.n, sizeof *fragment);
     const struct snapshot s = {&f.config, 200,      f.elements, f.measured, f.n,
-                               f.pairs,   f.forces, f.n_pairs,  fragment};
+                               f.pairs,   f.forces, f.n_pairs,  fragment,   NULL};
     if (snapshot_write_vtp(scratch_path("s.vtp"), &s, &err) != DM2_OK ||
         vtp_read(scratch_path("s.vtp"), vtp, &err) != DM2_OK) {
         printf("%s\n", err.text);

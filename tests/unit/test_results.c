@@ -134,11 +134,13 @@ TEST(whole_run)
     struct results *r = open_results(&f, "new/parents/run", false);
     CHECK_STR(results_directory(r), scratch_path("new/parents/run"));
     CHECK_EQ_INT(results_history(r, 0, &m, &err), DM2_OK);
-    CHECK_EQ_INT(results_snapshot(r, 0, f.elements, f.measured, f.n, f.pairs, f.forces, f.n_pairs, &err),
-                 DM2_OK);
+    CHECK_EQ_INT(
+        results_snapshot(r, 0, f.elements, f.measured, f.n, f.pairs, f.forces, f.n_pairs, NULL, &err),
+        DM2_OK);
     CHECK_EQ_INT(results_history(r, 200, &m, &err), DM2_OK);
-    CHECK_EQ_INT(results_snapshot(r, 200, f.elements, f.measured, f.n, f.pairs, f.forces, f.n_pairs, &err),
-                 DM2_OK);
+    CHECK_EQ_INT(
+        results_snapshot(r, 200, f.elements, f.measured, f.n, f.pairs, f.forces, f.n_pairs, NULL, &err),
+        DM2_OK);
     CHECK_EQ_INT(results_final(r,
                                &(struct state_view){.step = 200,
                                                     .elements = f.elements,
@@ -363,8 +365,9 @@ TEST(abort_leaves_nothing_half_written)
     CHECK_EQ_INT(entries("there"), 0); /* a directory that existed before stays */
 
     r = open_results(&f, "aborted", false);
-    CHECK_EQ_INT(results_snapshot(r, 0, f.elements, f.measured, f.n, f.pairs, f.forces, f.n_pairs, &err),
-                 DM2_OK);
+    CHECK_EQ_INT(
+        results_snapshot(r, 0, f.elements, f.measured, f.n, f.pairs, f.forces, f.n_pairs, NULL, &err),
+        DM2_OK);
     results_abort(r);
     CHECK_EQ_INT(entries("aborted"), 1); /* complete files stay */
     CHECK_EQ_INT(entries("aborted/snapshots"), 2);
@@ -393,8 +396,9 @@ TEST(full_disk)
     struct measures m = some_measures();
     struct results *r = open_results(&f, "disk", false);
     limit_file_size(4096);
-    CHECK_EQ_INT(results_snapshot(r, 7, f.elements, f.measured, f.n, f.pairs, f.forces, f.n_pairs, &err),
-                 DM2_IO);
+    CHECK_EQ_INT(
+        results_snapshot(r, 7, f.elements, f.measured, f.n, f.pairs, f.forces, f.n_pairs, NULL, &err),
+        DM2_IO);
     snprintf(path, sizeof path, "%s: cannot write: File too large",
              scratch_path("disk/snapshots/state-000000007.vtp"));
     CHECK_STR(err.text, path);
@@ -407,8 +411,9 @@ TEST(full_disk)
         DM2_IO);
     CHECK_CONTAINS(err.text, "disk/final.dm2: cannot write: File too large");
     f.config.output.vtp = false;
-    CHECK_EQ_INT(results_snapshot(r, 7, f.elements, f.measured, f.n, f.pairs, f.forces, f.n_pairs, &err),
-                 DM2_IO);
+    CHECK_EQ_INT(
+        results_snapshot(r, 7, f.elements, f.measured, f.n, f.pairs, f.forces, f.n_pairs, NULL, &err),
+        DM2_IO);
     CHECK_CONTAINS(err.text, "disk/snapshots/state-000000007.xyz: cannot write: File too large");
     enum dm2_status status = DM2_OK;
     int64_t rows = 0;

@@ -13,7 +13,7 @@
 static struct snapshot snapshot_of(const struct fake *f)
 {
     return (struct snapshot){&f->config, 200,       f->elements, f->measured, f->n,
-                             f->pairs,   f->forces, f->n_pairs,  NULL};
+                             f->pairs,   f->forces, f->n_pairs,  NULL,        NULL};
 }
 
 static void check_well_formed(const char *name)

@@ -27,6 +27,7 @@ enum section {
     SECTION_HOME, /* struct home_record */
     SECTION_BODY, /* struct body_record */
     SECTION_WCON, /* struct wall_contact */
+    SECTION_WFOR, /* struct wall_force; of snapshots alone */
     SECTION_COUNT
 };
 
@@ -53,6 +54,15 @@ struct wall_contact {
     uint32_t id, feature;
     int8_t sign;   /* 1 or -1 */
     double spring; /* tangential, cm */
+};
+
+/* The force of a wall on an element at a feature, at the last evaluation, which was that of a snapshot. */
+struct wall_force {
+    uint32_t id, feature;
+    uint16_t wall;             /* of the config */
+    double foot[2];            /* where the feature touches the image of the element at r, cm */
+    double force[2];           /* on the element, Mbar cm2; a whole multiple of the sums' quantum */
+    double normal, tangential; /* along n and t = (-n_y, n_x), n from the foot to the element; n > 0 pushes */
 };
 
 /* Records of one section, in an array of its struct. */
@@ -111,6 +121,9 @@ void section_free(struct section_array arrays[SECTION_COUNT]);
 
 /* The bits 1 << kind of the sections that the states of a config have. */
 unsigned section_has(const struct config *config);
+
+/* Likewise of the sections of a snapshot, which has no state to go on from. */
+unsigned section_in_snapshot(const struct config *config);
 
 /* --- the head of a section in a file --- */
 

@@ -209,6 +209,11 @@ enum dm2_status subdomain_collect_acting(const struct subdomain *sd, struct pair
                                          struct pair_measure **forces, size_t *n_pairs,
                                          struct dm2_error *err);
 
+/* Appends the forces of walls on owned elements, as of the same evaluation, sorted by element and feature, to
+ * *out, an array of SECTION_WFOR that the caller frees, also after a failure. */
+enum dm2_status subdomain_collect_wall_forces(const struct subdomain *sd, struct section_array *out,
+                                              struct dm2_error *err);
+
 /* Hands the state of the owned elements to `write` record by record (the functions of struct state_view), so
  * that a whole state never exists twice. Returns the status of `write`, or DM2_MEMORY. */
 typedef enum dm2_status (*subdomain_writer)(void *context, const struct state_view *state,

@@ -36,6 +36,8 @@
 #include "dm2/engine/element.h"
 #include "dm2/engine/measures.h"
 #include "dm2/engine/profile.h"
+#include "dm2/engine/section.h"
+#include "dm2/engine/wall_outline.h"
 #include "dm2/output/state.h"
 
 struct results;
@@ -127,13 +129,19 @@ enum dm2_status results_profile(struct results *r, size_t which, int64_t step, c
 enum dm2_status results_cracks(struct results *r, int64_t step, struct crack_list *list,
                                struct dm2_error *err);
 
+/* The walls of a state, for a snapshot. */
+struct snapshot_walls {
+    struct section_array forces; /* of SECTION_WFOR, sorted */
+    struct wall_outlines outlines;
+};
+
 /* Writes the state at `step` in each format that the deck asks for, and its fragments to fragments.csv.
  * `elements` in id order, `measured` beside `elements`, `pairs` by (id_a, id_b), `forces` beside
- * `pairs`. Also DM2_NUMERIC where a pair names an absent element. */
+ * `pairs`; walls NULL: there are none. Also DM2_NUMERIC where a pair names an absent element. */
 enum dm2_status results_snapshot(struct results *r, int64_t step, const struct element *elements,
                                  const struct element_measure *measured, size_t n_elements,
                                  const struct pair_record *pairs, const struct pair_measure *forces,
-                                 size_t n_pairs, struct dm2_error *err);
+                                 size_t n_pairs, const struct snapshot_walls *walls, struct dm2_error *err);
 
 /* Writes final.dm2, with the run's origin. */
 enum dm2_status results_final(struct results *r, const struct state_view *state, struct dm2_error *err);

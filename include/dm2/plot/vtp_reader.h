@@ -22,14 +22,18 @@ struct vtp_names {
 };
 
 struct vtp {
-    size_t n_points, n_lines;
+    size_t n_points; /* of elements; those of feet and walls come behind them */
+    size_t n_lines;
     struct vtp_array *arrays;
     size_t n_arrays;
-    struct vtp_names materials, bodies;
+    struct vtp_names materials, bodies, walls;
     /* Pointers into `arrays`. */
-    const double *position; /* n_points x 3 */
+    const double *position; /* n_points x 3, then further points */
     const double *line;     /* n_lines x 2 indices of points, checked: of the linked pairs whose line has a
                                length; of all lines where the file has no array `linked` of cells */
+    const double *outline;  /* indices of points, checked: the polyline of each wall, one after the other */
+    const double *outline_end; /* [walls.n] where each ends in `outline`, ascending */
+    size_t outline_start;      /* where the first begins */
 };
 
 /* Reads a .vtp into *out, which the caller frees with vtp_free; *out is empty after a failure. DM2_IO,
