@@ -16,7 +16,7 @@ while getopts o: option; do
 done
 shift $((OPTIND - 1))
 all='plate-impact cu-polycrystal hmx-powder shear-band granular-shear spall phase-front sliding-block heat-rod
-    shear-box'
+    shear-box cantilever brazilian notched-plate'
 runs=$(mktemp -d)
 trap 'rm -rf "$runs"' EXIT
 mkdir -p "$to/gallery"
@@ -72,6 +72,12 @@ draw()
         chart gallery/phase-front-profile profile-bar --x x --y stress_xx --by time
         ;;
     sliding-block) chart gallery/sliding-block history --x time --y block_vx ;;
+    cantilever) snapshot gallery/cantilever 36023 -c stress-xx ;;
+    brazilian)
+        snapshot gallery/brazilian 8160 -c stress-xx --range -0.002 0.002
+        snapshot gallery/brazilian-split 8400 -c links
+        ;;
+    notched-plate) snapshot gallery/notched-plate 2425 -c stress-yy ;;
     heat-rod) chart gallery/heat-rod profile-rod --x x --y temperature --by time ;;
     shear-box)
         chart gallery/shear-box-force history --x time --y lid_fy --dashed lid_fx

@@ -1,7 +1,7 @@
 # No picture of README and gallery is stale: scripts/pictures.sh draws the bytes that docs/ has, draws every
 # picture that lies there, and each is shown somewhere.
 # labels: e2e
-# timeout: 120
+# timeout: 240
 . "$DM2_SRC/tests/lib.sh"
 
 case $FLAVOUR in
