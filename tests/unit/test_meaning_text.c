@@ -5,9 +5,10 @@
 
 TEST(a_meaning_reads_back)
 {
-    static const char *const decks[] = {"collision",  "cu-polycrystal", "granular-shear", "heat-rod",
-                                        "hmx-powder", "lj-lattice",     "phase-front",    "plate-impact",
-                                        "shear-band", "sliding-block",  "spall",          "timing"};
+    static const char *const decks[] = {"brazilian",      "cantilever",    "collision",    "cu-polycrystal",
+                                        "granular-shear", "heat-rod",      "hmx-powder",   "lj-lattice",
+                                        "notched-plate",  "phase-front",   "plate-impact", "shear-band",
+                                        "shear-box",      "sliding-block", "spall",        "timing"};
     enter_source_tree();
     for (size_t k = 0; k < sizeof decks / sizeof decks[0]; k++) {
         char path[60];
