@@ -22,11 +22,13 @@ static enum dm2_status check_deck(const char *path, const struct state *s, const
     char difference[MEANING_DIFFERENCE];
     if (meaning_difference(s->origin.text, s->origin.text_length, run->origin.text, run->origin.text_length,
                            difference))
-        return dm2_fail(err, status,
-                        "%s: belongs to another deck: %s; to go on from this state with another deck: `start { "
-                        "state = ... }`, or --start FILE",
-                        path, difference);
-    bool whole = n == 0 || n < model_ids(run->model) || (s->n_elements > 0 && s->elements[s->n_elements - 1].id == n - 1);
+        return dm2_fail(
+            err, status,
+            "%s: belongs to another deck: %s; to go on from this state with another deck: `start { "
+            "state = ... }`, or --start FILE",
+            path, difference);
+    bool whole = n == 0 || n < model_ids(run->model) ||
+                 (s->n_elements > 0 && s->elements[s->n_elements - 1].id == n - 1);
     if (s->n_elements != n || !whole) /* check_records finds ids that are no body's */
         return dm2_fail(err, status, "%s: has %zu elements, the deck makes %zu", path, s->n_elements, n);
     return DM2_OK;

@@ -68,9 +68,8 @@ struct run {
     bool complete;           /* --restart auto: the directory has all results; there is nothing to run */
 };
 
-/* Reads and checks the deck, with the state that the run begins from (run_start.h), builds the model, and reads
- * the state of --restart (restart.h). Where
- * run->complete is set, the user has been told so.
+/* Reads and checks the deck, with the state that the run begins from (run_start.h), builds the model, and
+ * reads the state of --restart (restart.h). Where run->complete is set, the user has been told so.
  *
  * The deck's findings are printed on standard error (warnings not with --quiet). DM2_DECK and others, with
  * a closing sentence in *err. run_free frees *run, which is empty after a failure. */

@@ -37,7 +37,8 @@ enum dm2_status run_start_read(const struct run_options *o, struct run *run, str
         status = add_text(run, &why);
     if (status == DM2_OK)
         return DM2_OK;
-    return dm2_fail(err, status == DM2_MEMORY ? status : DM2_DECK, "the state to start from: %.400s%s", why.text,
+    return dm2_fail(err, status == DM2_MEMORY ? status : DM2_DECK, "the state to start from: %.400s%s",
+                    why.text,
                     status == DM2_IO && o->start == NULL ? "; --start FILE names another place" : "");
 }
 

@@ -5,8 +5,8 @@
 #include "run.h"
 
 /* Before the deck is bound: reads the state into run->from, and adds the text about the state to the source.
- * Nothing where the run begins from none. DM2_DECK where the file cannot be read or used, with its name and the
- * reason; DM2_MEMORY. */
+ * Nothing where the run begins from none. DM2_DECK where the file cannot be read or used, with its name and
+ * the reason; DM2_MEMORY. */
 enum dm2_status run_start_read(const struct run_options *o, struct run *run, struct dm2_error *err);
 
 /* After the model is built: makes run->from the first state of the run, run->state. DM2_DECK where an element

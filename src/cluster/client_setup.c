@@ -330,7 +330,8 @@ static enum dm2_status send_deck(struct client *c, bool texts, struct dm2_error 
 
 enum dm2_status client_share_deck(struct client *c, struct dm2_error *err)
 {
-    bool whole = c->options->send_deck || deck_source_start(c->job->source) != NULL; /* no server has the start */
+    bool whole =
+        c->options->send_deck || deck_source_start(c->job->source) != NULL; /* no server has the start */
     enum dm2_status status = whole ? DM2_OK : send_deck(c, false, err);
     int missing = 0;
     for (int k = 0; k < c->ranks; k++)

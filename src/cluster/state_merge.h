@@ -13,7 +13,7 @@
 
 struct state_merge {
     struct record_limits limits;
-    struct element *elements;         /* [limits.elements] by id; of a complete state [n_seen], ids ascending */
+    struct element *elements; /* [limits.elements] by id; of a complete state [n_seen], ids ascending */
     struct element_measure *measured; /* beside them; filled for snapshots only */
     unsigned char *seen;              /* [limits.elements] by id: the element has come */
     size_t n_seen;

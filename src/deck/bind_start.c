@@ -66,9 +66,10 @@ bool start_read_state(struct deck_binding *b, const struct deck_key *key, const 
     }
     if (b->stage != NULL || b->findings->n_errors > 0)
         return true;
-    findings_error(b->findings, node->place,
-                   "the state cannot be read by this name: a file beside or below the deck is expected, without "
-                   "'..', or --start FILE");
+    findings_error(
+        b->findings, node->place,
+        "the state cannot be read by this name: a file beside or below the deck is expected, without "
+        "'..', or --start FILE");
     return false;
 }
 
@@ -171,10 +172,11 @@ static void refuse_other_keys(const struct deck_binding *b, size_t block, const 
         for (size_t i = 0; i < sizeof may / sizeof may[0]; i++)
             allowed |= strcmp(schema->keys[k].name, may[i]) == 0;
         if (!allowed && binding_given(b, block, schema->keys[k].name))
-            findings_error(b->findings, binding_place(b, block, schema->keys[k].name, 0),
-                           "the elements of '%s' are there already, and only 'motion', 'velocity' and 'spin' can "
-                           "change: leave '%s' out",
-                           name, schema->keys[k].name);
+            findings_error(
+                b->findings, binding_place(b, block, schema->keys[k].name, 0),
+                "the elements of '%s' are there already, and only 'motion', 'velocity' and 'spin' can "
+                "change: leave '%s' out",
+                name, schema->keys[k].name);
     }
 }
 
@@ -199,9 +201,10 @@ static void take_materials(struct deck_binding *b, size_t block, size_t was, str
     for (size_t k = 0; k < config_kinds(before); k++) {
         struct kind_name name;
         if (kinds[k] && find_kind(c, before, k) == config_kinds(c))
-            findings_error(b->findings, place,
-                           "the body '%s' of the state has elements that are '%s', which the deck does not have",
-                           body->name, config_kind_name(before, k, &name));
+            findings_error(
+                b->findings, place,
+                "the body '%s' of the state has elements that are '%s', which the deck does not have",
+                body->name, config_kind_name(before, k, &name));
     }
 }
 
@@ -220,9 +223,10 @@ static void take_changes(struct deck_binding *b, size_t block, const struct body
         body->pushed = body->motion == MOTION_FREE;
     }
     if (spin && body->motion == MOTION_FREE)
-        findings_error(b->findings, binding_place(b, block, "spin", 0),
-                       "the elements of '%s' are there already, and a free body keeps its spin: leave 'spin' out",
-                       body->name);
+        findings_error(
+            b->findings, binding_place(b, block, "spin", 0),
+            "the elements of '%s' are there already, and a free body keeps its spin: leave 'spin' out",
+            body->name);
     if (spin)
         body->spin = given->spin;
 }
@@ -238,10 +242,11 @@ void start_take_body(struct deck_binding *b, size_t block, struct body_config *b
     body->n_mix = 0;
     if (b->stage == NULL) {
         if (b->findings->n_errors == 0)
-            findings_error(b->findings, from,
-                           "there is no state to take '%s' from: name one by a block 'start { state = \"FILE\" }' "
-                           "or by --start FILE",
-                           name);
+            findings_error(
+                b->findings, from,
+                "there is no state to take '%s' from: name one by a block 'start { state = \"FILE\" }' "
+                "or by --start FILE",
+                name);
         return;
     }
     const struct config *before = &b->stage->before;
@@ -270,13 +275,14 @@ static void check_taken(const struct deck_binding *b, struct deck_place place)
         size_t now = find_body(c, name);
         bool taken = now < c->n_bodies && c->bodies[now].from_state;
         if (taken && is_left_out(c, name))
-            findings_error(b->findings, place, "the body '%s' of the state is taken, and left out by 'without'",
-                           name);
-        else if (!taken && !is_left_out(c, name))
             findings_error(b->findings, place,
-                           "the state has body %s: take it with `body %s { from = state }` or leave it out with "
-                           "`without = %s`",
-                           name, name, name);
+                           "the body '%s' of the state is taken, and left out by 'without'", name);
+        else if (!taken && !is_left_out(c, name))
+            findings_error(
+                b->findings, place,
+                "the state has body %s: take it with `body %s { from = state }` or leave it out with "
+                "`without = %s`",
+                name, name, name);
     }
     for (size_t k = 0; k < c->start.n_without; k++)
         if (find_body(before, c->start.without[k]) == before->n_bodies &&
@@ -302,18 +308,20 @@ static void check_walls_taken(const struct deck_binding *b, struct deck_place pl
         const struct start_wall *now = &b->stage->walls[k];
         size_t which = find_wall(c, wall->name);
         if (which == c->n_walls && !is_left_out(c, wall->name))
-            findings_error(b->findings, place,
-                           "the state has wall %s: give it in a block `wall %s` or leave it out with `without = "
-                           "%s`",
-                           wall->name, wall->name, wall->name);
+            findings_error(
+                b->findings, place,
+                "the state has wall %s: give it in a block `wall %s` or leave it out with `without = "
+                "%s`",
+                wall->name, wall->name, wall->name);
         if (which == c->n_walls || !same_points(wall, &c->walls[which]))
             continue;
         bool turned = now->angle != 0.0 && wall->n_points > 0;
         if (now->moved[0] != 0.0 || now->moved[1] != 0.0 || turned)
-            findings_error(b->findings, b->tree->blocks[b->blocks[BLOCK_WALL][which]].word,
-                           "the wall '%s' has moved by (%g, %g) cm and turned by %g rad since it was here: give "
-                           "its points as they are now, or as you want them",
-                           wall->name, now->moved[0], now->moved[1], now->angle);
+            findings_error(
+                b->findings, b->tree->blocks[b->blocks[BLOCK_WALL][which]].word,
+                "the wall '%s' has moved by (%g, %g) cm and turned by %g rad since it was here: give "
+                "its points as they are now, or as you want them",
+                wall->name, now->moved[0], now->moved[1], now->angle);
     }
 }
 
@@ -336,8 +344,8 @@ static void check_constant(const struct deck_binding *b, size_t block, const cha
     if (!isnan(is))
         (void)snprintf(now, sizeof now, "%.10g", is);
     findings_error(b->findings, binding_place(b, block, key, 0),
-                   "'%s' of '%s' was %s in the state, is %s: elements that are there keep it", key, name, before,
-                   now);
+                   "'%s' of '%s' was %s in the state, is %s: elements that are there keep it", key, name,
+                   before, now);
 }
 
 /* The temperatures of elements follow from their heat by t0 and cp, their masses from rho0 or mass. */
@@ -393,10 +401,11 @@ static void check_domain(const struct deck_binding *b)
                            "the domain of the state is %s in %c: its elements are placed so",
                            before->periodic[a] ? "periodic" : "free", "xy"[a]);
         else if (c->periodic[a] && (before->origin[a] != c->origin[a] || before->size[a] != c->size[a]))
-            findings_error(b->findings, binding_place(b, block, "size", (size_t)a),
-                           "the domain of the state is periodic in %c from %.10g to %.10g cm: its elements are "
-                           "placed so",
-                           "xy"[a], before->origin[a], before->origin[a] + before->size[a]);
+            findings_error(
+                b->findings, binding_place(b, block, "size", (size_t)a),
+                "the domain of the state is periodic in %c from %.10g to %.10g cm: its elements are "
+                "placed so",
+                "xy"[a], before -> origin[a], before -> origin[a] + before -> size[a]);
     }
 }
 
@@ -413,10 +422,11 @@ static void set_times(struct deck_binding *b)
     }
     c->dt_before = c->start.velocity == START_AT_REST ? 0.0 : s->dt_before;
     if (c->steps < c->n_start && c->steps >= 0)
-        findings_error(b->findings, binding_place(b, b->single[BLOCK_TIME], "steps", 0),
-                       "the run begins with step %lld of its state (time = keep): 'steps' is the number of its "
-                       "last step, at least that",
-                       (long long)c->n_start);
+        findings_error(
+            b->findings, binding_place(b, b->single[BLOCK_TIME], "steps", 0),
+            "the run begins with step %lld of its state (time = keep): 'steps' is the number of its "
+            "last step, at least that",
+            (long long)c->n_start);
 }
 
 void start_finish(struct deck_binding *b)
@@ -426,8 +436,9 @@ void start_finish(struct deck_binding *b)
     if (b->stage == NULL) {
         if (block < b->tree->n_blocks && !b->config->start.on && binding_missing(b, block, "state") &&
             b->findings->n_errors == 0)
-            findings_error(b->findings, place,
-                           "the block 'start' lacks 'state': name the file of a state here, or by --start FILE");
+            findings_error(
+                b->findings, place,
+                "the block 'start' lacks 'state': name the file of a state here, or by --start FILE");
         return;
     }
     check_taken(b, place);

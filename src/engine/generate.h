@@ -11,11 +11,11 @@
 /* Receives one element; the record belongs to the generator. Any status but DM2_OK ends the generation. */
 typedef enum dm2_status (*element_sink)(void *context, const struct element *element, struct dm2_error *err);
 
-/* Calls sink for each element that the deck makes, ids one after another from config.start.next_id on, body by
- * body in deck order, grain by grain, row by row, along
- * the row; grains are numbered in the same order. DM2_DECK where a powder cannot be packed, a body has no
- * element, or the elements or the grains are more than 2^32 - 1; DM2_MEMORY; and the status of a sink that
- * ended the generation. Needs the kinds and the reaction of the model. */
+/* Calls sink for each element that the deck makes, ids one after another from config.start.next_id on, body
+ * by body in deck order, grain by grain, row by row, along the row; grains are numbered in the same order.
+ * DM2_DECK where a powder cannot be packed, a body has no element, or the elements or the grains are more
+ * than 2^32 - 1; DM2_MEMORY; and the status of a sink that ended the generation. Needs the kinds and the
+ * reaction of the model. */
 enum dm2_status generate_elements(const struct model *model, element_sink sink, void *context,
                                   struct dm2_error *err);
 

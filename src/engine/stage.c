@@ -184,7 +184,8 @@ static bool is_force(const struct config *c, size_t mover, int axis, const char 
 
 /* The velocity along an axis, cm/us, of a mover that was under no force there: that of its first element, or
  * what the deck gives. */
-static double begin_velocity(const struct renumbering *r, const struct stage_records *s, size_t mover, int axis)
+static double begin_velocity(const struct renumbering *r, const struct stage_records *s, size_t mover,
+                             int axis)
 {
     const struct config *c = r->m->config;
     if (mover >= c->n_bodies)
@@ -201,7 +202,8 @@ static void begin_forced(const struct renumbering *r, const struct stage_records
                          const struct section_array *before, size_t mover, struct body_record *out)
 {
     const struct config *c = r->m->config, *was = &r->from->before;
-    size_t old = 0;
+    bool new = mover < c->n_bodies && !c->bodies[mover].from_state;
+    size_t old = new ? config_movers(was) : 0;
     while (old < config_movers(was) && strcmp(config_mover_name(was, old), config_mover_name(c, mover)) != 0)
         old++;
     const struct body_record *record = find_record(before, old);

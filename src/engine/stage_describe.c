@@ -146,7 +146,6 @@ enum dm2_status stage_describe(const char *path, const struct state_view *state,
     if (status == DM2_OK)
         start_put(out, &s, state->origin->text, state->origin->text_length);
     start_free(&s);
-    return status == DM2_OK && out->failed
-               ? dm2_fail(err, DM2_MEMORY, "no memory for the text about a state")
-               : status;
+    return status == DM2_OK && out->failed ? dm2_fail(err, DM2_MEMORY, "no memory for the text about a state")
+                                           : status;
 }

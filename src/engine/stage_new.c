@@ -81,12 +81,13 @@ static enum dm2_status check_room(const struct model *m, const struct element *o
         return no_memory(n_old, err);
     if (o.pairs == 0)
         return DM2_OK;
-    return dm2_fail(err, DM2_DECK,
-                    "%llu new elements are pressed into elements of the state; the deepest, element %u of '%s' at "
-                    "(%.6g, %.6g) cm and new element %u of '%s' at (%.6g, %.6g) cm, stand at %.3g of their "
-                    "contact distance: move the new body, or leave the other one out",
-                    (unsigned long long)o.pairs, o.id[0], c->bodies[o.body[0]].name, o.r[0][0], o.r[0][1],
-                    o.id[1], c->bodies[o.body[1]].name, o.r[1][0], o.r[1][1], o.ratio);
+    return dm2_fail(
+        err, DM2_DECK,
+        "%llu new elements are pressed into elements of the state; the deepest, element %u of '%s' at "
+        "(%.6g, %.6g) cm and new element %u of '%s' at (%.6g, %.6g) cm, stand at %.3g of their "
+        "contact distance: move the new body, or leave the other one out",
+        (unsigned long long)o.pairs, o.id[0], c->bodies[o.body[0]].name, o.r[0][0], o.r[0][1], o.id[1],
+        c->bodies[o.body[1]].name, o.r[1][0], o.r[1][1], o.ratio);
 }
 
 /* --- elements --- */
@@ -127,8 +128,7 @@ static enum dm2_status append_records(const struct model *m, const struct subdom
     return DM2_OK;
 }
 
-enum dm2_status stage_add_new(const struct model *model, struct stage_records *records,
-                              struct dm2_error *err)
+enum dm2_status stage_add_new(const struct model *model, struct stage_records *records, struct dm2_error *err)
 {
     const struct grid *g = &model->grid;
     bool any = false;

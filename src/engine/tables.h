@@ -91,16 +91,16 @@ struct model {
                           that no  force is a subnormal number, because arithmetic with subnormals is slow */
     double radius_max; /* largest radius of any element at any time, cm */
     struct margins margins;
-    double dt_stable;    /* us */
-    const char *dt_mode; /* the mode that limits dt_stable */
-    size_t dt_kinds[2];  /* the kinds of the pair that limits dt_stable */
+    double dt_stable;            /* us */
+    const char *dt_mode;         /* the mode that limits dt_stable */
+    size_t dt_kinds[2];          /* the kinds of the pair that limits dt_stable */
     size_t n_elements, n_grains; /* grains: that the deck makes, from config.start.next_grain on */
-    size_t n_forced;            /* bodies that move by forces */
-    struct forced_body *forced; /* [n_forced]; NULL where there are none */
-    uint8_t *forced_of;         /* [movers] index in `forced` plus 1; 0: moves by no force; NULL likewise */
-    size_t n_ids;               /* all ids are below; more than n_elements where a stage left bodies out */
-    struct id_range *bodies;    /* [n_bodies] ids of the elements of each body */
-    uint32_t *grain_first;      /* [n_grains + 1] id of the first element of each grain; last n_ids */
+    size_t n_forced;             /* bodies that move by forces */
+    struct forced_body *forced;  /* [n_forced]; NULL where there are none */
+    uint8_t *forced_of;          /* [movers] index in `forced` plus 1; 0: moves by no force; NULL likewise */
+    size_t n_ids;                /* all ids are below; more than n_elements where a stage left bodies out */
+    struct id_range *bodies;     /* [n_bodies] ids of the elements of each body */
+    uint32_t *grain_first;       /* [n_grains + 1] id of the first element of each grain; last n_ids */
     struct fixed_scales fixed;
     struct measure_scales scales;
     struct motion_table *load_tables; /* [n_loads] */

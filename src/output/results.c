@@ -429,7 +429,8 @@ static enum dm2_status read_schedule(const struct results *r, const char *source
     enum dm2_status status =
         path == NULL ? run_directory_no_memory(err) : schedule_book_read(path, book, err);
     free(path);
-    return status == DM2_OK && book->n == 0 ? schedule_book_change(book, r->config->n_start, r->config, err) : status;
+    return status == DM2_OK && book->n == 0 ? schedule_book_change(book, r->config->n_start, r->config, err)
+                                            : status;
 }
 
 /* Reads run.log of `source`, which the sessions to come add to; an unreadable one is replaced. */

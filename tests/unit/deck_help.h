@@ -28,7 +28,7 @@ static inline struct loaded load_text(const char *text, const char *const *defin
 {
     struct loaded out;
     struct deck_text one = {(char *)"deck", (char *)text, strlen(text)};
-    struct deck_source source = {&one, 1, (char **)defines, 0, steps};
+    struct deck_source source = {.texts = &one, .n_texts = 1, .defines = (char **)defines, .steps = steps};
     while (defines != NULL && defines[source.n_defines] != NULL)
         source.n_defines++;
     out.status = deck_load(&source, &out.config, &out.report);

@@ -23,7 +23,8 @@ static void value_text(const struct deck_key *key, char *out, size_t size)
         (void)snprintf(out, size, "%s%s", times, u);
         break;
     case VALUE_WHOLE:
-        (void)snprintf(out, size, "whole number");
+    case VALUE_STEPS:
+        (void)snprintf(out, size, key->type == VALUE_STEPS ? "whole numbers" : "whole number");
         break;
     case VALUE_CHOICE:
     case VALUE_FLAG:
@@ -37,14 +38,16 @@ static void value_text(const struct deck_key *key, char *out, size_t size)
     case VALUE_MATERIAL:
     case VALUE_BODY:
     case VALUE_MOVER:
-        (void)snprintf(out, size, "name");
-        break;
     case VALUE_MATERIALS:
     case VALUE_NAME:
     case VALUE_MOVERS:
-    case VALUE_BODIES:
-        (void)snprintf(out, size, key->count > 1 || key->type == VALUE_BODIES ? "names" : "name");
+        (void)snprintf(out, size, key->count > 1 ? "names" : "name");
         break;
+    case VALUE_BODIES:
+    case VALUE_NAMES:
+        (void)snprintf(out, size, "names");
+        break;
+    case VALUE_STATE:
     case VALUE_FILE:
         (void)snprintf(out, size, "file name");
         break;
@@ -56,9 +59,6 @@ static void value_text(const struct deck_key *key, char *out, size_t size)
         break;
     case VALUE_LIMIT:
         (void)snprintf(out, size, "names, `above` or `below`, number");
-        break;
-    case VALUE_STEPS:
-        (void)snprintf(out, size, "whole numbers");
         break;
     case VALUE_LINE:
         (void)snprintf(out, size, "numbers, cm");

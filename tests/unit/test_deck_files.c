@@ -218,7 +218,7 @@ static void mutate_deck(const char *path, int times, uint64_t *random)
     char *text = malloc(cap + 1);
     for (int i = 0; i < times; i++) {
         struct deck_text one = {(char *)"mutant", text, strlen(original)};
-        struct deck_source source = {&one, 1, NULL, 0, -1};
+        struct deck_source source = {.texts = &one, .n_texts = 1, .steps = -1};
         struct deck_report report;
         struct config config;
         memcpy(text, original, one.length + 1);

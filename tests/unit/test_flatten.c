@@ -59,7 +59,8 @@ TEST(includes_stand_in_their_places)
 TEST(options_stand_in_their_places)
 {
     char *defines[] = {(char *)"push=1", (char *)" push = 3*rho/rho*0.01", (char *)"rho=7 g/cm3"};
-    const struct deck_source source = {texts, 3, defines, 3, 400};
+    const struct deck_source source = {
+        .texts = texts, .n_texts = 3, .defines = defines, .n_defines = 3, .steps = 400};
     struct bytes_writer out = {0};
     flatten(&source, &out);
     const char *text = (const char *)out.data;
@@ -96,7 +97,7 @@ TEST(tables_stand_as_points)
                           "0.8,7,8\n0.9,1e-3,9\n";
     struct deck_text both[] = {{(char *)"main", loaded_text, sizeof loaded_text - 1},
                                {(char *)"gauge.csv", table, sizeof table - 1}};
-    const struct deck_source source = {both, 2, NULL, 0, -1};
+    const struct deck_source source = {.texts = both, .n_texts = 2, .steps = -1};
     struct config config;
     struct deck_report report;
     struct bytes_writer out = {0};

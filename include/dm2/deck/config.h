@@ -315,7 +315,8 @@ struct config {
     int64_t deck_steps; /* as the deck or --steps says */
     int64_t n_start; /* the step with which the run's stage begins, its first one; 0 without a stage before */
     double t_start;  /* time of that step, us */
-    bool same_clock; /* a stage that keeps time and dt: times are those of the run before, to the last digit */
+    bool
+        same_clock; /* a stage that keeps time and dt: times are those of the run before, to the last digit */
     int64_t n_clock; /* then the n_start and t_start of that run */
     double t_clock;
     double

@@ -36,7 +36,7 @@ struct start_source {
     struct config before;      /* the deck of the state, by its meaning; owned */
     struct body_start *bodies; /* [before.n_bodies] */
     struct start_wall *walls;  /* [before.n_walls] */
-    bool *kinds;               /* [before.n_bodies][config_kinds(&before)] elements of the body are of the kind */
+    bool *kinds; /* [before.n_bodies][config_kinds(&before)] elements of the body are of the kind */
 };
 
 /* Appends the text. `meaning` is that of `before`. */

@@ -72,8 +72,8 @@ struct model_room {
 };
 struct model_room model_room(const struct model *model);
 
-/* Fills counts[cx * cy] with the number of elements that the deck makes in each cell, the weights of the decomposition
- * by particles. DM2_MEMORY. */
+/* Fills counts[cx * cy] with the number of elements that the deck makes in each cell, the weights of the
+ * decomposition by particles. DM2_MEMORY. */
 enum dm2_status model_cell_counts(const struct model *model, uint32_t *counts, struct dm2_error *err);
 
 /* Adds n elements to counts[cx * cy] of the cells in which they are, the weights for a run that goes on. */

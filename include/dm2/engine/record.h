@@ -68,9 +68,8 @@ void record_put(struct bytes_writer *w, enum record_form form, const struct elem
  * and *out is all 0. The values are not checked: see record_fault. */
 void record_get(struct bytes_reader *r, enum record_form form, struct element *out);
 
-/* The bounds of the records of a run: a number that all ids are below, how many of these are no element's; the
- * numbers of bodies, kinds, probes, bodies with walls,
- * features of walls; the sections; the deck. */
+/* The bounds of the records of a run: a number that all ids are below, how many of these are no element's;
+ * the numbers of bodies, kinds, probes, bodies with walls, features of walls; the sections; the deck. */
 struct record_limits {
     size_t elements, holes;
     size_t bodies, kinds, probes; /* probes: those of regions, at most REGION_MAX */
