@@ -352,8 +352,7 @@ static enum dm2_status integrate_motion(struct subdomain *sd, bool drift, double
     if (status == DM2_OK && out != NULL && sd->model->n_walls > 0)
         status = wall_probes_add(sd, out, err);
     if (status == DM2_OK && drift && sd->model->n_walls > 0) {
-        double moved = walls_moved(sd->model, sd->loading, sd->step);
-        *dmax = moved > *dmax ? moved : *dmax;
+        status = walls_move(sd->model, sd->loading, sd->step, dmax, err);
         walls_add_work(&sd->walls, &sd->p, 1.0 - share);
     }
     sd->times.integrate += clock_now() - started;

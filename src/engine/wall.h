@@ -122,9 +122,10 @@ void walls_add_work(const struct walls *ws, const struct particles *p, double sh
 
 /* --- wall_index.c --- */
 
-/* The largest displacement of a point of any wall in the step that begins at `step`, whose kick is done, cm.
- */
-double walls_moved(const struct model *m, const struct loading *l, int64_t step);
+/* Raises *dmax to the largest displacement of a point of any wall in the step that begins at `step`, whose
+ * kick is done, cm. DM2_NUMERIC: a wall would move further than a cell edge, as no element may. */
+enum dm2_status walls_move(const struct model *m, const struct loading *l, int64_t step, double *dmax,
+                           struct dm2_error *err);
 
 /* Adds the displacements of the walls since the last rebuild to *out. */
 void walls_survey(const struct walls *ws, const struct model *m, const struct loading *l, int64_t step,

@@ -23,9 +23,10 @@ static double displace(const struct wall *w, const struct wall_pose *from, const
     return w->circle ? 0.0 : fabs(to->angle - from->angle) * w->extent;
 }
 
-double walls_moved(const struct model *m, const struct loading *l, int64_t step)
+enum dm2_status walls_move(const struct model *m, const struct loading *l, int64_t step, double *dmax,
+                           struct dm2_error *err)
 {
-    double most = 0.0;
+    double edge = fmin(m->grid.lx, m->grid.ly);
     for (size_t k = 0; k < m->n_walls; k++) {
         struct wall_pose from, to;
         double d[2];
@@ -33,9 +34,15 @@ double walls_moved(const struct model *m, const struct loading *l, int64_t step)
         wall_pose_at(m, l, &m->walls[k], step + 1, &to);
         double turned = displace(&m->walls[k], &from, &to, d),
                moved = sqrt(d[0] * d[0] + d[1] * d[1]) + turned;
-        most = moved > most ? moved : most;
+        if (!(moved < edge))
+            return dm2_fail(
+                err, DM2_NUMERIC,
+                "step %lld: the wall '%s' would move by %g cm in one step, further than a cell edge, %g "
+                "cm, and past elements: choose a smaller dt or a slower wall",
+                (long long)step, m->walls[k].config->name, moved, edge);
+        *dmax = fmax(*dmax, moved);
     }
-    return most;
+    return DM2_OK;
 }
 
 void walls_survey(const struct walls *ws, const struct model *m, const struct loading *l, int64_t step,

@@ -451,22 +451,24 @@ TEST(what_walls_cannot_be_is_refused)
 TEST(what_ends_a_run_names_element_and_wall)
 {
     static const struct {
-        double y, vy;
+        double y, vy, speed; /* speed: of the wall, along y */
         int steps;
         enum dm2_status status;
         const char *message;
-    } end[] = {{0.2, 0.0, 1, DM2_DECK,
+    } end[] = {{0.2, 0.0, 0.0, 1, DM2_DECK,
                 "element 0, at (0, 0.2) cm at the start, is 0.6 of its radius deep in the "
                 "wall 'w'; at most half"},
-               {0.6, -20.0, 5, DM2_DECK, "moves by 0.4 of its radius in a step against the wall 'w'"},
-               {0.9, -3.0, 100, DM2_NUMERIC, "of its radius deep in the wall 'w'; at most half"}};
+               {0.6, -20.0, 0.0, 5, DM2_DECK, "moves by 0.4 of its radius in a step against the wall 'w'"},
+               {0.9, -3.0, 0.0, 100, DM2_NUMERIC, "of its radius deep in the wall 'w'; at most half"},
+               {3.0, 0.0, 500.0, 5, DM2_NUMERIC, "step 0: the wall 'w' would move by 5 cm in one step"}};
     for (size_t k = 0; k < sizeof end / sizeof end[0]; k++) {
         char text[3000];
         struct engine g;
         enum dm2_status status = DM2_OK;
         int at = snprintf(text, sizeof text, domain_text, "", 0.01, "zeta = 0");
         at += snprintf(text + at, sizeof text - (size_t)at, DISC, BOX(0.0, end[k].y), 0.0, end[k].vy);
-        snprintf(text + at, sizeof text - (size_t)at, "wall w { line = -4 0 4 0; material = a }\n");
+        snprintf(text + at, sizeof text - (size_t)at,
+                 "wall w { line = -4 0 4 0; material = a; velocity = 0 %g }\n", end[k].speed);
         engine_start(&g, text, NULL, 1);
         for (int step = 0; step < end[k].steps && status == DM2_OK; step++) {
             status = engine_forces(&g, false);
