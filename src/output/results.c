@@ -2,7 +2,7 @@
  *
  * The tables grow by rows and are renamed at the end of the run; every other file is written and renamed at
  * once. */
-#include "dm2/output/results.h"
+#include "results_parts.h"
 
 #include <assert.h>
 #include <stdio.h>
@@ -10,41 +10,11 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "dm2/base/bytes.h"
-#include "dm2/base/csv.h"
-#include "dm2/base/file.h"
 #include "dm2/base/mem.h"
 #include "dm2/base/text.h"
 #include "dm2/output/run_directory.h"
-#include "dm2/output/state.h"
-#include "adopt.h"
 #include "cracks.h"
-#include "energy_book.h"
-#include "fragments.h"
-#include "history.h"
-#include "resume.h"
-#include "run_lock.h"
 #include "schedule_book.h"
-#include "snapshot.h"
-#include "stop_watch.h"
-
-struct results {
-    char *directory;
-    bool made_directory, made_snapshots; /* by this run */
-    bool begun;                          /* files of this run are in the directory */
-    struct run_lock lock;
-    struct bytes_writer log; /* run.log */
-    const struct config *config;
-    struct measure_scales scales;
-    const struct state_origin *origin;
-    struct history_tables tables;
-    struct energy_book book; /* of the rows of tables.history */
-    struct stop_watch stops; /* likewise; not open in a deck without blocks `stop` */
-    bool made_final;         /* final.dm2, by this run */
-    /* The newest steps that are written; -1: none. */
-    int64_t history_step, snapshot_step, profile_step[PROFILE_MAX], crack_step, checkpoint_step;
-    struct snapshot_steps series; /* the snapshots that are written, for series.pvd */
-};
 
 const char *results_directory(const struct results *r)
 {
@@ -57,21 +27,6 @@ const char *results_warning(const struct results *r)
 }
 
 /* --- tables --- */
-
-static enum dm2_status open_profile(struct results *r, size_t which, struct dm2_error *err)
-{
-    char name[NAME_MAX_LENGTH + 16];
-    (void)snprintf(name, sizeof name, "profile-%s.csv", r->config->profiles[which].name);
-    char *path = text_join(r->directory, "/", name);
-    if (path == NULL)
-        return run_directory_no_memory(err);
-    enum dm2_status status = file_create(&r->tables.profiles[which], path, err);
-    free(path);
-    if (status != DM2_OK)
-        return status;
-    history_put_profile_heading(&r->tables.profiles[which], &r->config->profiles[which]);
-    return file_flush(&r->tables.profiles[which], err);
-}
 
 /* A run that ends early leaves no final state (dm2/output/results.h). */
 static void remove_final(const struct results *r)
@@ -162,8 +117,9 @@ static enum dm2_status write_snapshot_file(const char *directory, const char *su
     return status;
 }
 
-static enum dm2_status write_series(struct results *r, const char *directory, int64_t step,
-                                    struct dm2_error *err)
+/* Adds a step to the series of the snapshots in `directory`. */
+static enum dm2_status add_to_series(struct results *r, const char *directory, int64_t step,
+                                     struct dm2_error *err)
 {
     struct snapshot_steps *series = &r->series;
     int64_t *grown = mem_grown(series->items, &series->cap, series->n, series->n + 1, sizeof *grown);
@@ -171,10 +127,15 @@ static enum dm2_status write_series(struct results *r, const char *directory, in
         return run_directory_no_memory(err);
     series->items = grown;
     series->items[series->n++] = step;
+    return results_write_series(r, directory, err);
+}
+
+enum dm2_status results_write_series(const struct results *r, const char *directory, struct dm2_error *err)
+{
     char *path = text_join(directory, "/", run_directory_series);
     if (path == NULL)
         return run_directory_no_memory(err);
-    enum dm2_status status = snapshot_write_series(path, series->items, series->n, r->config, err);
+    enum dm2_status status = snapshot_write_series(path, r->series.items, r->series.n, r->config, err);
     free(path);
     return status;
 }
@@ -208,7 +169,7 @@ static enum dm2_status write_snapshot(struct results *r, const struct snapshot *
     if (status == DM2_OK && r->config->output.vtp) {
         status = write_snapshot_file(directory, "vtp", s, err);
         if (status == DM2_OK)
-            status = write_series(r, directory, s->step, err);
+            status = add_to_series(r, directory, s->step, err);
     }
     if (status == DM2_OK && r->config->output.xyz)
         status = write_snapshot_file(directory, "xyz", s, err);
@@ -303,211 +264,6 @@ enum dm2_status results_log(struct results *r, const char *text, size_t length, 
                          : results_text(r, "run.log", (const char *)r->log.data, r->log.length, err);
 }
 
-/* --- the begin --- */
-
-static void free_results(struct results *r)
-{
-    run_lock_release(&r->lock);
-    stop_watch_free(&r->stops);
-    bytes_free(&r->log);
-    free(r->directory);
-    free(r->series.items);
-    free(r);
-}
-
-enum dm2_status results_claim(const char *directory, const char *command, struct results **out,
-                              struct dm2_error *err)
-{
-    *out = NULL;
-    if (directory[0] == '\0')
-        return dm2_fail(err, DM2_IO, "the run directory's name is empty; name one with -o DIR");
-    struct results *r = mem_zalloc(1, sizeof *r);
-    if (r == NULL)
-        return run_directory_no_memory(err);
-    r->history_step = r->snapshot_step = r->crack_step = r->checkpoint_step = -1;
-    r->stops.held = -1;
-    for (size_t k = 0; k < PROFILE_MAX; k++)
-        r->profile_step[k] = -1;
-    r->directory = text_join(directory, "", "");
-    enum dm2_status status = r->directory == NULL
-                                 ? run_directory_no_memory(err)
-                                 : run_directory_claim(directory, command, &r->made_directory, &r->lock, err);
-    if (status != DM2_OK) {
-        if (r->made_directory)
-            (void)rmdir(r->directory);
-        free_results(r);
-        return status;
-    }
-    *out = r;
-    return DM2_OK;
-}
-
-/* Enters the rows of history.csv, those before `step`, which the run continues from. */
-static enum dm2_status replay_rows(struct results *r, int64_t step, struct dm2_error *err)
-{
-    struct csv table;
-    enum dm2_status status = csv_read(r->tables.history.part, &table, err);
-    if (status != DM2_OK)
-        return status;
-    status = energy_book_replay(&r->book, &table, err);
-    if (status == DM2_OK && r->config->n_stops > 0)
-        status = stop_watch_open(&r->stops, r->config, &table, step, err);
-    csv_free(&table);
-    return status;
-}
-
-/* Enters what all rows and states of the run need. */
-static void start_results(struct results *r, const struct config *config, struct measure_scales scales,
-                          const struct state_origin *origin)
-{
-    r->config = config;
-    r->scales = scales;
-    r->origin = origin;
-    energy_book_start(&r->book, scales.energy);
-}
-
-/* Writes schedule.csv with the deck's schedule from `step` on. */
-static enum dm2_status write_schedule(const struct results *r, struct schedule_book *book, int64_t step,
-                                      struct dm2_error *err)
-{
-    char *path = text_join(r->directory, "/", schedule_book_name);
-    enum dm2_status status =
-        path == NULL ? run_directory_no_memory(err) : schedule_book_change(book, step, r->config, err);
-    if (status == DM2_OK)
-        status = schedule_book_write(path, book, err);
-    free(path);
-    return status;
-}
-
-enum dm2_status results_begin(struct results *r, bool overwrite, const struct config *config,
-                              struct measure_scales scales, const struct state_origin *origin,
-                              struct dm2_error *err)
-{
-    struct schedule_book book = {0};
-    start_results(r, config, scales, origin);
-    enum dm2_status status = run_directory_clear(r->directory, overwrite, err);
-    r->begun = status == DM2_OK;
-    char *path = NULL;
-    if (status == DM2_OK && (path = text_join(r->directory, "/", "history.csv")) == NULL)
-        status = run_directory_no_memory(err);
-    if (status == DM2_OK)
-        status = write_schedule(r, &book, config->n_start, err);
-    if (status == DM2_OK)
-        status = file_create(&r->tables.history, path, err);
-    if (status == DM2_OK) {
-        history_put_heading(&r->tables.history, config);
-        status = file_flush(&r->tables.history, err);
-    }
-    if (status == DM2_OK && config->n_stops > 0)
-        status = replay_rows(r, 0, err);
-    for (size_t k = 0; status == DM2_OK && k < config->n_profiles; k++)
-        status = open_profile(r, k, err);
-    schedule_book_free(&book);
-    free(path);
-    return status;
-}
-
-enum dm2_status results_open(const char *directory, bool overwrite, const struct config *config,
-                             struct measure_scales scales, const struct state_origin *origin,
-                             struct results **out, struct dm2_error *err)
-{
-    enum dm2_status status = results_claim(directory, "", out, err);
-    if (status == DM2_OK)
-        status = results_begin(*out, overwrite, config, scales, origin, err);
-    if (status != DM2_OK) {
-        results_abort(*out);
-        *out = NULL;
-    }
-    return status;
-}
-
-/* Reads schedule.csv of the directory `source`; where there is none, the deck's schedule held so far. */
-static enum dm2_status read_schedule(const struct results *r, const char *source, struct schedule_book *book,
-                                     struct dm2_error *err)
-{
-    char *path = text_join(source, "/", schedule_book_name);
-    enum dm2_status status =
-        path == NULL ? run_directory_no_memory(err) : schedule_book_read(path, book, err);
-    free(path);
-    return status == DM2_OK && book->n == 0 ? schedule_book_change(book, r->config->n_start, r->config, err)
-                                            : status;
-}
-
-/* Reads run.log of `source`, which the sessions to come add to; an unreadable one is replaced. */
-static void read_log(struct results *r, const char *source)
-{
-    enum { LOG_MAX = 64 << 20 };
-    unsigned char *bytes = NULL;
-    size_t n = 0;
-    char *path = text_join(source, "/", "run.log");
-    if (path != NULL && file_read(path, LOG_MAX, &bytes, &n, NULL) == DM2_OK)
-        bytes_put_raw(&r->log, bytes, n);
-    free(bytes);
-    free(path);
-}
-
-/* Takes the tables of `plan` over, which are checked first; `state` is the file of the state. */
-static enum dm2_status take_over(struct results *r, struct resume *plan, bool overwrite, const char *state,
-                                 struct dm2_error *err)
-{
-    const char *base = strrchr(state, '/');
-    bool ended = strcmp(base == NULL ? state : base + 1, "final.dm2") == 0 && plan->step == r->config->steps;
-    enum dm2_status status = resume_check(plan, r->config, &r->tables, err);
-    if (status == DM2_OK)
-        read_log(r, plan->source);
-    if (status == DM2_OK && !plan->in_place)
-        status = run_directory_clear(r->directory, overwrite, err);
-    r->begun = status == DM2_OK;
-    if (status == DM2_OK && plan->in_place) {
-        r->checkpoint_step = plan->step; /* from here on the tables are kept after a failure */
-        status = adopt_state(r->directory, state, ended, err);
-    }
-    return status == DM2_OK ? resume_take(plan, r->directory, err) : status;
-}
-
-static int64_t count_links(const struct state *s)
-{
-    int64_t n = 0;
-    for (size_t k = 0; k < s->n_pairs; k++)
-        n += s->pairs[k].linked;
-    return n;
-}
-
-enum dm2_status results_go_on(struct results *r, bool overwrite, const char *path, const struct state *state,
-                              const struct config *config, struct measure_scales scales,
-                              const struct state_origin *origin, struct dm2_error *err)
-{
-    struct schedule_book book = {0};
-    int64_t step = state->step;
-    char *source = run_directory_of(path);
-    if (source == NULL)
-        return run_directory_no_memory(err);
-    start_results(r, config, scales, origin);
-    struct resume plan = {.source = source,
-                          .in_place = resume_in_place(r->directory, source),
-                          .step = step,
-                          .links = count_links(state),
-                          .book = &book};
-    enum dm2_status status = plan.in_place ? run_directory_check(r->directory, err) : DM2_OK;
-    if (status == DM2_OK)
-        status = read_schedule(r, source, &book, err);
-    if (status == DM2_OK)
-        status = take_over(r, &plan, overwrite, path, err);
-    if (status == DM2_OK)
-        status = resume_series(r->directory, &book, step, &r->series, err);
-    if (status == DM2_OK)
-        status = write_schedule(r, &book, step, err);
-    if (status == DM2_OK)
-        status = replay_rows(r, step, err);
-    r->history_step = r->snapshot_step = r->crack_step = step - 1;
-    for (size_t k = 0; k < PROFILE_MAX; k++)
-        r->profile_step[k] = step - 1;
-    resume_free(&plan);
-    schedule_book_free(&book);
-    free(source);
-    return status;
-}
-
 /* --- checkpoints --- */
 
 int64_t results_checkpoint_step(const struct results *r)
@@ -550,6 +306,16 @@ enum dm2_status results_checkpoint(struct results *r, const struct state_view *s
 
 /* --- the end --- */
 
+void results_free(struct results *r)
+{
+    run_lock_release(&r->lock);
+    stop_watch_free(&r->stops);
+    bytes_free(&r->log);
+    free(r->directory);
+    free(r->series.items);
+    free(r);
+}
+
 enum dm2_status results_close(struct results *r, struct dm2_error *err)
 {
     enum dm2_status status =
@@ -565,7 +331,7 @@ enum dm2_status results_close(struct results *r, struct dm2_error *err)
     if (status != DM2_OK)
         results_abort(r);
     else
-        free_results(r);
+        results_free(r);
     return status;
 }
 
@@ -588,5 +354,5 @@ void results_abort(struct results *r)
     run_lock_release(&r->lock);
     if (r->made_directory)
         (void)rmdir(r->directory);
-    free_results(r);
+    results_free(r);
 }

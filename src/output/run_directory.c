@@ -168,6 +168,25 @@ static enum dm2_status remove_earlier_run(const char *directory, struct dm2_erro
     return status;
 }
 
+enum dm2_status run_directory_drop_snapshots(const char *directory, int64_t from, bool series,
+                                             struct dm2_error *err)
+{
+    DIR *dir = opendir(directory);
+    enum dm2_status status = DM2_OK;
+    if (dir == NULL && errno != ENOENT)
+        status = dm2_fail(err, DM2_IO, "%s: cannot read the directory: %s", directory, strerror(errno));
+    const struct dirent *entry;
+    while (dir != NULL && status == DM2_OK && (entry = readdir(dir)) != NULL) {
+        const char *name = entry->d_name;
+        bool is_series = strncmp(name, run_directory_series, strlen(run_directory_series)) == 0;
+        if (is_snapshot_file(name) && (is_series ? series : strtoll(name + 6, NULL, 10) >= from))
+            status = visit_file(directory, name, "", remove_file, err);
+    }
+    if (dir != NULL)
+        closedir(dir);
+    return status;
+}
+
 /* --- preparing --- */
 
 /* Makes the directory and its parents. *made: the last of them did not exist. */

@@ -159,6 +159,14 @@ cut -d , -f 1 on/history.csv | sed 1d | cmp - steps ||
 expect_text on/schedule.csv '180,history.csv,5,'
 expect_text on/schedule.csv '180,fragments.csv,110,37 205'
 same_bytes whole/final.dm2 on/final.dm2
+# Snapshots of the old schedule that the new one has not: gone, with their lines in the series.
+leave on
+cp whole/snapshots/* on/snapshots
+sed 's/snapshot_every = 110; //; s/snapshot_at = 37/snapshot_at = 37, 205/' deck.dm2 >fewer.dm2
+expect_status 0 "$seq" fewer.dm2 -q -o on --restart auto
+[ "$(cd on/snapshots && echo *)" = 'series.pvd state-000000000.vtp state-000000037.vtp state-000000110.vtp'\
+' state-000000205.vtp' ] || fail "$(ls on/snapshots)"
+[ "$(grep -c '<DataSet ' on/snapshots/series.pvd)" -eq 4 ] || fail "$(cat on/snapshots/series.pvd)"
 
 # --- deck.dm2 gives the same bytes anywhere ---
 mkdir -p parts/sub elsewhere

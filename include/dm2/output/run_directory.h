@@ -7,6 +7,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "dm2/base/status.h"
 
@@ -44,6 +45,11 @@ enum dm2_status run_directory_survey(const char *directory, struct run_content *
  * `overwrite`; then the files of an earlier run are removed. DM2_USAGE where a name of a run's file is no
  * plain file; then nothing is removed. */
 enum dm2_status run_directory_clear(const char *path, bool overwrite, struct dm2_error *err);
+
+/* Removes the snapshots of steps from `from` on in the directory of the snapshots, and with `series` the
+ * series file. An absent directory has none. DM2_IO. */
+enum dm2_status run_directory_drop_snapshots(const char *directory, int64_t from, bool series,
+                                             struct dm2_error *err);
 
 /* Checks the names of the files of a run that goes on: DM2_USAGE as above. */
 enum dm2_status run_directory_check(const char *path, struct dm2_error *err);
