@@ -3,19 +3,33 @@
 
 #include <math.h>
 
+#include "dm2/base/mem.h"
 #include "dm2/base/real.h"
 #include "tables.h"
 
 bool drive_is_needed(const struct model *m)
 {
-    const struct config *c = m->config;
-    for (size_t b = 0; b < c->n_bodies; b++)
-        if (m->placed[b])
-            return true;
-    for (size_t i = 0; i < c->n_loads; i++)
-        if (c->loads[i].quantity == LOAD_ACCELERATION_X || c->loads[i].quantity == LOAD_ACCELERATION_Y)
+    for (size_t b = 0; b < m->config->n_bodies; b++)
+        if (m->driven[b])
             return true;
     return false;
+}
+
+int drive_find_runs(struct drive_runs *runs, const struct model *m, const struct particles *p)
+{
+    bool inside = false;
+    runs->n = 0;
+    for (size_t i = 0; i < p->n_own; i++) {
+        if (m->driven[p->body[i]] == inside)
+            continue;
+        uint32_t *edge = mem_grown(runs->edge, &runs->cap, runs->n, runs->n + 1, sizeof *edge);
+        if (edge == NULL)
+            return -1;
+        runs->edge = edge;
+        edge[runs->n++] = (uint32_t)i;
+        inside = !inside;
+    }
+    return 0;
 }
 
 /* A body that does not turn has cosine 1 and sine 0, exactly. */
@@ -62,9 +76,11 @@ void drive_hold_heat(const struct model *m, struct particles *p, int64_t step)
             continue;
         double temperature = motion_load(m, k, step);
         for (size_t i = 0; i < p->n_own; i++) {
+            if (p->body[i] != c->loads[k].mover)
+                continue;
             const struct kind *kind = &m->kinds[p->kind[i]];
             double cp = particles_heat_capacity(p, m, i);
-            if (p->body[i] != c->loads[k].mover || !isfinite(cp))
+            if (!isfinite(cp))
                 continue;
             double heat = p->mass[i] * cp * (temperature - kind->t0);
             p->work[i] += heat - p->heat[i];

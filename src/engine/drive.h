@@ -24,6 +24,18 @@ struct body_drive {
     double a[2];
 };
 
+/* The owned slots of bodies on which a drive acts, so that a step works out drives for these alone. Slots
+ * come in runs, in turn without a drive, from slot 0 on, and with one; a run may be empty at the start alone.
+ */
+struct drive_runs {
+    uint32_t *edge; /* [n] where the next run begins */
+    size_t n, cap;
+};
+
+/* Finds the runs in slots that a rebuild has arranged. 0, or -1 without memory; the caller frees runs->edge.
+ */
+int drive_find_runs(struct drive_runs *runs, const struct model *m, const struct particles *p);
+
 /* Does some load of the deck, or a spin, act on elements at every step? */
 bool drive_is_needed(const struct model *m);
 

@@ -330,14 +330,19 @@ DM2_INLINE bool put_coordinate(const struct model *m, const struct particles *p,
     return !m->grid.periodic[a] || wrap_place(m, p, at, a);
 }
 
-/* Kicks and drifts the owned elements; compiled apart for decks with near pairs, without, and with local
- * damping or drives. Returns the largest squared speed; *bad is the first slot whose squared speed is not
- * below limit2, or that has gone round the domain more than IMAGE_MOST times, n_own if there is none. `own`
- * is a copy of the columns that no other pointer reaches, so that a store to one column does not force the
- * processor to reload the addresses of all. */
-DM2_INLINE double kick_and_drift(const struct model *m, const struct particles *columns, double dt_kick,
-                                 double limit2, bool near, bool damped, const struct body_drive *drives,
-                                 size_t *bad)
+/* Slots that are moved in one go. */
+struct range {
+    size_t first, last;
+};
+
+/* Kicks and drifts the elements of a range of owned slots; compiled apart for decks with near pairs, without,
+ * with local damping, and for slots with drives. Returns the largest squared speed; *bad is the first slot
+ * whose squared speed is not below limit2, or that has gone round the domain more than IMAGE_MOST times,
+ * n_own if there is none. `own` is a copy of the columns that no other pointer reaches, so that a store to
+ * one column does not force the processor to reload the addresses of all. */
+DM2_INLINE double kick_and_drift(const struct model *m, const struct particles *columns, struct range slots,
+                                 double dt_kick, double limit2, bool near, bool damped,
+                                 const struct body_drive *drives, size_t *bad)
 {
     struct particles own = *columns, *p = &own;
     const struct config *c = m->config;
@@ -345,7 +350,7 @@ DM2_INLINE double kick_and_drift(const struct model *m, const struct particles *
     double dt = c->dt, fastest2 = 0.0;
     double share = find_share(m, dt_kick);
     *bad = p->n_own;
-    for (size_t i = 0; i < p->n_own; i++) {
+    for (size_t i = slots.first; i < slots.last; i++) {
         const struct body_drive *drive = drives != NULL ? &drives[p->body[i]] : NULL;
         const bool placed = drive != NULL && drive->placed;
         struct kick k = find_kick(m, p, i, dt_kick, near, damped, drives);
@@ -389,31 +394,53 @@ DM2_INLINE double kick_and_drift(const struct model *m, const struct particles *
     return fastest2;
 }
 
-DM2_WIDE static double kick_and_drift_near(const struct model *m, const struct particles *p, double dt_kick,
-                                           double limit2, size_t *bad)
+DM2_WIDE static double kick_and_drift_near(const struct model *m, const struct particles *p,
+                                           struct range slots, double dt_kick, double limit2, size_t *bad)
 {
-    return kick_and_drift(m, p, dt_kick, limit2, true, false, NULL, bad);
+    return kick_and_drift(m, p, slots, dt_kick, limit2, true, false, NULL, bad);
 }
 
-DM2_WIDE static double kick_and_drift_far(const struct model *m, const struct particles *p, double dt_kick,
-                                          double limit2, size_t *bad)
+DM2_WIDE static double kick_and_drift_far(const struct model *m, const struct particles *p,
+                                          struct range slots, double dt_kick, double limit2, size_t *bad)
 {
-    return kick_and_drift(m, p, dt_kick, limit2, false, false, NULL, bad);
+    return kick_and_drift(m, p, slots, dt_kick, limit2, false, false, NULL, bad);
 }
 
-DM2_WIDE static double kick_and_drift_damped(const struct model *m, const struct particles *p, double dt_kick,
-                                             double limit2, size_t *bad)
+DM2_WIDE static double kick_and_drift_damped(const struct model *m, const struct particles *p,
+                                             struct range slots, double dt_kick, double limit2, size_t *bad)
 {
-    return kick_and_drift(m, p, dt_kick, limit2, m->has_near, true, NULL, bad);
+    return kick_and_drift(m, p, slots, dt_kick, limit2, m->has_near, true, NULL, bad);
 }
 
-/* Most decks with drives have near pairs alone and no damping. */
-DM2_WIDE static double kick_and_drift_driven(const struct model *m, const struct particles *p, double dt_kick,
-                                             double limit2, size_t *bad)
+/* Most decks with drives have near pairs alone and no damping. Slots that no drive moves go the ways above.
+ */
+DM2_WIDE static double kick_and_drift_driven(const struct model *m, const struct particles *p,
+                                             struct range slots, double dt_kick, double limit2, size_t *bad)
 {
     if (m->has_near && !m->has_damping)
-        return kick_and_drift(m, p, dt_kick, limit2, true, false, p->drives, bad);
-    return kick_and_drift(m, p, dt_kick, limit2, m->has_near, m->has_damping, p->drives, bad);
+        return kick_and_drift(m, p, slots, dt_kick, limit2, true, false, p->drives, bad);
+    return kick_and_drift(m, p, slots, dt_kick, limit2, m->has_near, m->has_damping, p->drives, bad);
+}
+
+/* kick_and_drift for all owned slots, in their order. */
+static double move_runs(const struct model *m, const struct particles *p, double dt_kick, double limit2,
+                        size_t *bad)
+{
+    const size_t n_edges = p->runs != NULL ? p->runs->n : 0;
+    double fastest2 = 0.0;
+    struct range slots = {0, 0};
+    *bad = p->n_own;
+    for (size_t k = 0; k <= n_edges; k++, slots.first = slots.last) {
+        slots.last = k < n_edges ? p->runs->edge[k] : p->n_own;
+        double most2 = k % 2 == 1       ? kick_and_drift_driven(m, p, slots, dt_kick, limit2, bad)
+                       : m->has_damping ? kick_and_drift_damped(m, p, slots, dt_kick, limit2, bad)
+                       : m->has_near    ? kick_and_drift_near(m, p, slots, dt_kick, limit2, bad)
+                                        : kick_and_drift_far(m, p, slots, dt_kick, limit2, bad);
+        if (*bad < p->n_own)
+            return most2;
+        fastest2 = most2 > fastest2 ? most2 : fastest2;
+    }
+    return fastest2;
 }
 
 enum dm2_status leapfrog_move(const struct model *m, struct particles *p, int64_t step, bool drift,
@@ -429,10 +456,7 @@ enum dm2_status leapfrog_move(const struct model *m, struct particles *p, int64_
     if (!drift)
         return DM2_OK;
     size_t bad;
-    double fastest2 = p->drives != NULL ? kick_and_drift_driven(m, p, dt_kick, limit2, &bad)
-                      : m->has_damping  ? kick_and_drift_damped(m, p, dt_kick, limit2, &bad)
-                      : m->has_near     ? kick_and_drift_near(m, p, dt_kick, limit2, &bad)
-                                        : kick_and_drift_far(m, p, dt_kick, limit2, &bad);
+    double fastest2 = move_runs(m, p, dt_kick, limit2, &bad);
     if (bad < p->n_own && fastest2 < limit2)
         return dm2_fail(
             err, DM2_NUMERIC,

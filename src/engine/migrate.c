@@ -380,6 +380,8 @@ enum dm2_status migrate_build_lists(struct subdomain *sd, bool initial, struct d
                                                     : DM2_OK;
     if (status == DM2_OK)
         status = lists_build(&sd->lists, sd->model, &sd->p, &sd->cells, initial, err);
+    if (status == DM2_OK && sd->drives != NULL && drive_find_runs(&sd->drive_runs, sd->model, &sd->p) != 0)
+        status = subdomain_no_memory(sd, err);
     if (status == DM2_OK && sd->loading != NULL &&
         load_sums_build(&sd->load_sums, sd->model, &sd->p, &sd->lists) != 0)
         status = subdomain_no_memory(sd, err);

@@ -134,12 +134,16 @@ enum dm2_status motion_build(struct model *m, struct dm2_error *err)
         status = build_table(&c->loads[i], m->config->t_start, &m->load_tables[i], err);
     m->paths = mem_zalloc(config_movers(c), sizeof *m->paths);
     m->placed = mem_zalloc(c->n_bodies, sizeof *m->placed);
-    if (status == DM2_OK && (m->paths == NULL || m->placed == NULL))
+    m->driven = mem_zalloc(c->n_bodies, sizeof *m->driven);
+    if (status == DM2_OK && (m->paths == NULL || m->placed == NULL || m->driven == NULL))
         status = dm2_fail(err, DM2_MEMORY, "no memory for the motions of %zu bodies", c->n_bodies);
     for (size_t i = 0; i < config_movers(c) && status == DM2_OK; i++)
         m->paths[i] = find_path(m, i);
-    for (size_t b = 0; b < c->n_bodies && status == DM2_OK; b++)
+    for (size_t b = 0; b < c->n_bodies && status == DM2_OK; b++) {
         m->placed[b] = config_is_placed(c, b);
+        m->driven[b] = m->placed[b] || config_load(c, b, LOAD_ACCELERATION_X) != NULL ||
+                       config_load(c, b, LOAD_ACCELERATION_Y) != NULL;
+    }
     return status;
 }
 
@@ -150,6 +154,7 @@ void motion_free(struct model *m)
     free(m->load_tables);
     free(m->paths);
     free(m->placed);
+    free(m->driven);
     free(m->centroids);
 }
 

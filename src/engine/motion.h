@@ -41,7 +41,7 @@ struct mover_path {
 double motion_table_value(const struct motion_table *table, double t);
 double motion_table_integral(const struct motion_table *table, double t);
 
-/* Works out m->load_tables, m->paths, m->placed. DM2_MEMORY. motion_free frees them. */
+/* Works out m->load_tables, m->paths, m->placed, m->driven. DM2_MEMORY. motion_free frees them. */
 enum dm2_status motion_build(struct model *m, struct dm2_error *err);
 void motion_free(struct model *m);
 

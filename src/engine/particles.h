@@ -74,6 +74,7 @@ struct particles {
     int64_t *around;                 /* [n][AROUND_COUNT] likewise; near pairs */
     const struct body_drive *drives; /* [n_bodies] of the step whose forces were evaluated last (drive.h);
                                         NULL: the deck has none */
+    const struct drive_runs *runs;   /* of the owned slots of driven bodies; NULL likewise */
 };
 
 /* An empty set for elements of this model. */

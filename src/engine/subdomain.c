@@ -47,6 +47,7 @@ static enum dm2_status open_subdomain(const struct model *model, const struct do
     sd->neighbours = mem_zalloc((size_t)map->ranks, sizeof *sd->neighbours);
     if (model->has_drives)
         sd->p.drives = sd->drives = mem_zalloc(model->config->n_bodies, sizeof *sd->drives);
+    sd->p.runs = model->has_drives ? &sd->drive_runs : NULL;
     if (sd->neighbours == NULL || (model->has_drives && sd->drives == NULL))
         return subdomain_no_memory(sd, err);
     if (model->n_walls > 0 && walls_start(&sd->walls, model, err) != DM2_OK)
@@ -187,6 +188,7 @@ void subdomain_free(struct subdomain *sd)
     stiffness_free(&sd->stiff);
     idmap_free(&sd->ids);
     free(sd->drives);
+    free(sd->drive_runs.edge);
     free(sd->cell_of);
     free(sd->reacted.item);
     free(sd->from.item);
@@ -226,7 +228,8 @@ size_t subdomain_bytes(const struct subdomain *sd)
                    sd->old_id.cap + sd->anchors.cap + sd->spreads.cap + bins_bytes(&sd->anchor_bins) +
                    sd->strain.cap * STRAIN_SUMS * sizeof *sd->strain.sum + stiffness_bytes(&sd->stiff) +
                    sd->reacted.cap * sizeof *sd->reacted.item + walls_bytes(&sd->walls, sd->model) +
-                   (sd->loading != NULL ? sizeof *sd->loading : 0) + load_sums_bytes(&sd->load_sums);
+                   (sd->loading != NULL ? sizeof *sd->loading : 0) + load_sums_bytes(&sd->load_sums) +
+                   sd->drive_runs.cap * sizeof *sd->drive_runs.edge;
     for (int r = 0; r < sd->map.ranks; r++)
         bytes += sd->neighbours[r].send.cap * sizeof(uint32_t) +
                  (sd->neighbours[r].migrants.cap + sd->neighbours[r].mirrors.cap) * sizeof(struct element) +

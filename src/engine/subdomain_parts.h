@@ -22,6 +22,7 @@
 #include "dm2/engine/subdomain.h"
 #include "bins.h"
 #include "cells.h"
+#include "drive.h"
 #include "force.h"
 #include "lists.h"
 #include "load_sums.h"
@@ -94,7 +95,8 @@ struct subdomain {
     struct pass pass;   /* the evaluation under way, where subdomain_forces_ahead began it */
     struct walls walls; /* all NULL in a deck without walls */
     struct strain_sums strain;
-    struct body_drive *drives; /* [n_bodies], p.drives; NULL: the deck has none */
+    struct body_drive *drives;    /* [n_bodies], p.drives; NULL: the deck has none */
+    struct drive_runs drive_runs; /* p.runs */
     struct stiffness_sums stiff;
     struct stiffness stiffness;   /* of the last row of the history, or of step 0 */
     struct reaction_sums reacted; /* of the last evaluation */

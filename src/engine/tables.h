@@ -106,6 +106,7 @@ struct model {
     struct motion_table *load_tables; /* [n_loads] */
     struct mover_path *paths;         /* [n_movers] */
     bool *placed;                     /* [n_bodies] config_is_placed */
+    bool *driven;                     /* [n_bodies] placed, or under an acceleration */
     bool has_drives;   /* some load, or a spin of a driven body, acts on elements at every step (drive.h) */
     bool has_held;     /* some load holds a temperature */
     double *centroids; /* [n_bodies][2] centres of mass at the start, not wrapped, cm; of bodies with

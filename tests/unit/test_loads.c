@@ -5,6 +5,7 @@
 
 #include "dm2/engine/section.h"
 #include "engine/motion.h"
+#include "engine/subdomain_parts.h"
 #include "engine/tables.h"
 #include "check.h"
 #include "engine_help.h"
@@ -406,6 +407,38 @@ TEST(ranks_and_states_change_no_bit)
     from_a_state(&want);
     engine_state_free(&want);
 }
+
+/* After rebuilds the runs of slots are, in turn, those of bodies without and with drives. */
+TEST(runs_are_the_slots_of_driven_bodies)
+{
+    for (int k = 0; k < 2; k++) {
+        struct engine g;
+        char text[1500];
+        (void)snprintf(text, sizeof text, "%.*s", (int)(strstr(crowd, "load h") - crowd), crowd);
+        start(&g, k == 0 ? text : crowd, NULL, 2);
+        engine_run(&g, 60);
+        CHECK(g.rebuilds > 0);
+        size_t runs = 0;
+        for (int r = 0; r < 2; r++) {
+            const struct particles *p = &g.sd[r]->p;
+            size_t run = 0, with = 0;
+            for (size_t i = 0; i < p->n_own; i++) {
+                const char *body = g.deck.config.bodies[p->body[i]].name;
+                bool drives = k == 1 || strcmp(body, "base") != 0;
+                while (run < p->runs->n && p->runs->edge[run] <= i)
+                    run++;
+                CHECK_EQ_INT(run % 2, drives);
+                with += drives;
+            }
+            CHECK_EQ_INT(run, p->runs->n);
+            CHECK(k == 1 ? run == 1 && with == p->n_own : with < p->n_own);
+            runs += run;
+        }
+        CHECK(k == 1 || runs > 4);
+        engine_stop(&g);
+    }
+}
+
 /* --- files --- */
 
 static const char filed[] =
@@ -477,5 +510,5 @@ TEST_MAIN(CASE(integrals_are_exact_to_rounding), CASE(steps_do_not_add_errors_up
           CASE(elements_are_where_the_integrals_put_them), CASE(bodies_without_loads_keep_their_bits),
           CASE(the_book_closes_with_the_square_of_the_step), CASE(a_held_temperature_is_the_table),
           CASE(an_acceleration_moves_a_free_body), CASE(a_spin_is_about_the_centre_of_mass),
-          CASE(ranks_and_states_change_no_bit), CASE(files_and_decks_give_the_same_numbers),
-          CASE(tables_have_up_to_100000_points))
+          CASE(ranks_and_states_change_no_bit), CASE(runs_are_the_slots_of_driven_bodies),
+          CASE(files_and_decks_give_the_same_numbers), CASE(tables_have_up_to_100000_points))
