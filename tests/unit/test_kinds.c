@@ -257,6 +257,57 @@ TEST(all_elements_change)
     engine_stop(&g);
 }
 
+/* --- sums of the changes --- */
+
+/* Books the change of phase of the third of four elements beside the last, which is mirrored and gets nothing
+ * here. The energy is rounded to the nearest quantum and may come to 2^57 quanta. */
+TEST(changes_round_and_know_their_range)
+{
+    static const double at[4][2] = {{0.1, 0.9}, {0.9, 0.1}, {0.538, 0.505}, {0.5, 0.5}};
+    uint32_t start[] = {0, 0, 0, 1}, partner[] = {3};
+    uint8_t linked[] = {1};
+    double stretch[] = {1e-4}, spring[] = {2e-4};
+    const struct lists lists = {
+        .near = {.start = start, .j = partner}, .linked = linked, .stretch = stretch, .spring = spring};
+    struct engine g;
+    engine_load(&g,
+                FRAME "material A { rho0 = 4; c0 = 0.4; s = 2 }\n"
+                      "phase A dense { transition = pressure; p_line = 9; t_line = 300; rho0 = 4/0.81 }\n"
+                      "body b { shape = rectangle 0 0 0.5 1; spacing = 0.04; material = A }\n",
+                NULL, 1);
+    struct model m = *g.model;
+    const double natural = m.fixed.energy;
+    struct particles p;
+    particles_start(&p, &m);
+    CHECK_EQ_INT(particles_reserve(&p, 4), 0);
+    p.n = 4;
+    p.n_own = 3;
+    double lost = 0.0;
+    for (int k = 0; k < 5; k++) { /* the quanta of the second to the last booking */
+        const double quanta[] = {0.0, 2.495, 2.505, 0.99 * 0x1p57, 1.01 * 0x1p57};
+        for (size_t i = 0; i < 4; i++) {
+            const struct element e = {.id = (uint32_t)i,
+                                      .kind = i == 2,
+                                      .radius = 0.02,
+                                      .mass = 0.004,
+                                      .r = {at[i][0], at[i][1]},
+                                      .v = {0.01 * (double)i, 0.0}};
+            particles_put(&p, &m, i, &e);
+        }
+        m.fixed.energy = k == 0 ? natural : quanta[k] / fabs(lost);
+        CHECK_EQ_INT(phase_account(&m, &p, &lists, 7, &g.err), k < 4 ? DM2_OK : DM2_NUMERIC);
+        CHECK(p.moved[0] == 0.0 && p.moved[1] == 0.0 && p.moved[3] == 0.0);
+        if (k == 0)
+            lost = p.moved[2];
+        else if (k < 3)
+            CHECK_NEAR_REL(p.moved[2] * m.fixed.energy, copysign(k + 1.0, lost), 1e-14);
+    }
+    CHECK(lost < 0.0 || lost > 0.0);
+    CHECK_CONTAINS(g.err.text, "step 7: the change of phase of element 2 or 3, near (0.538, 0.505) cm");
+    particles_free(&p);
+    engine_stop(&g);
+}
+
 /* --- slots --- */
 
 TEST(strength_softens_towards_melting)
@@ -333,4 +384,5 @@ TEST(walls_and_what_is_held)
 TEST_MAIN(CASE(growth_goes_on_in_the_product), CASE(a_pair_s_part_of_the_reactants),
           CASE(rates_and_their_bound), CASE(phases_form_from_phases), CASE(lines_and_ways_back),
           CASE(a_change_of_phase_beside_an_element), CASE(all_elements_change),
-          CASE(strength_softens_towards_melting), CASE(slots_hold_their_values), CASE(walls_and_what_is_held))
+          CASE(changes_round_and_know_their_range), CASE(strength_softens_towards_melting),
+          CASE(slots_hold_their_values), CASE(walls_and_what_is_held))
