@@ -324,6 +324,12 @@ TEST(strength_softens_towards_melting)
     CHECK_NEAR(particles_softening(&k, 800.0), 0.75, 1e-15);
     k.tm = INFINITY;
     CHECK_SAME_BITS(particles_softening(&k, 1e6), 1.0);
+    /* Where rounding makes the share of the range 1 just below Tm, or less than 1 at Tm. */
+    k = (struct kind){.t0 = 300.0, .tm = 1918.95, .softening = 1.0, .over_range = 1.0 / (1918.95 - 300.0)};
+    CHECK_SAME_BITS(particles_softening(&k, nextafter(1918.95, 0.0)), 0.0);
+    k.tm = 349.0;
+    k.over_range = 1.0 / 49.0;
+    CHECK_SAME_BITS(particles_softening(&k, 349.0), 0.0);
 }
 
 TEST(slots_hold_their_values)
