@@ -16,7 +16,7 @@ while getopts o: option; do
 done
 shift $((OPTIND - 1))
 all='plate-impact cu-polycrystal hmx-powder shear-band granular-shear spall phase-front sliding-block heat-rod
-    shear-box cantilever brazilian notched-plate'
+    shear-box cantilever brazilian notched-plate biaxial'
 runs=$(mktemp -d)
 trap 'rm -rf "$runs"' EXIT
 mkdir -p "$to/gallery"
@@ -83,6 +83,10 @@ draw()
         chart gallery/shear-box-force history --x time --y lid_fy --dashed lid_fx
         snapshot gallery/shear-box 8571 -c contacts
         ;;
+    biaxial)
+        chart gallery/biaxial-force history --x time --y lid_fy,right_fx
+        snapshot gallery/biaxial 16838 -c contacts
+        ;;
     *) echo "pictures.sh: no pictures of '$deck'; there are: $all" >&2; exit 2 ;;
     esac
 }
@@ -91,9 +95,17 @@ chosen=${*:-$all}
 for deck in $chosen; do
     case $deck in
     shear-box) options='-D inertial=1e-3' ;;
+    biaxial)
+        "$bin/dm2-seq" input/biaxial.dm2 -D columns=12 -q -o "$runs/pressed"
+        options="-D columns=12 -D inertial=5e-4 --start $runs/pressed/final.dm2"
+        ;;
     *) options= ;;
     esac
+    case $deck in
+    biaxial) file=input/stages/biaxial-shear.dm2 ;;
+    *) file=input/$deck.dm2 ;;
+    esac
     # shellcheck disable=SC2086 # the words of the options
-    "$bin/dm2-seq" "input/$deck.dm2" $options -q -o "$runs/$deck" --overwrite
+    "$bin/dm2-seq" "$file" $options -q -o "$runs/$deck" --overwrite
     draw
 done

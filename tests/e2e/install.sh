@@ -20,7 +20,7 @@ for source in "$DM2_SRC"/src/app/dm2-*.c; do
     expect_text out "$program"
     expect_status 0 "root/opt/dm2/bin/$program" --help
 done
-for deck in "$DM2_SRC"/input/*.dm2 "$DM2_SRC"/input/materials/*.dm2; do
+for deck in "$DM2_SRC"/input/*.dm2 "$DM2_SRC"/input/*/*.dm2; do
     same_bytes "$deck" "root/opt/dm2/share/dm2/input/${deck#"$DM2_SRC/input/"}"
 done
 

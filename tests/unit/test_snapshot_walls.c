@@ -179,7 +179,7 @@ TEST(outlines_follow_the_walls)
     struct engine g;
     struct wall_outlines o;
     engine_start(&g, DRUM, NULL, 1);
-    engine_must(&g, wall_outlines_find(g.model, 50000, &o, &g.err));
+    engine_must(&g, wall_outlines_find(g.model, NULL, 50000, &o, &g.err));
     CHECK(o.n_walls == 2 && o.start[1] == 3 && o.start[2] == 6);
     /* The floor has moved by 30 of 12 cm: its centre, (-3, -4.1) cm at the start, is in the domain. */
     CHECK_NEAR(o.point[0][0], -6 + 30 - 24, 1e-12);
@@ -196,7 +196,7 @@ TEST(outlines_follow_the_walls)
                  "body b { shape = rectangle 2 2 4 4; spacing = 1; material = M }\n"
                  "wall w { circle = 4 5 3; material = M }\n",
                  NULL, 1);
-    engine_must(&g, wall_outlines_find(g.model, 0, &o, &g.err));
+    engine_must(&g, wall_outlines_find(g.model, NULL, 0, &o, &g.err));
     CHECK_EQ_INT(o.start[1], 129);
     for (size_t k = 0; k < 129; k++)
         CHECK_NEAR(hypot(o.point[k][0] - 4, o.point[k][1] - 5), 3.0, 1e-14);
