@@ -16,7 +16,7 @@ while getopts o: option; do
 done
 shift $((OPTIND - 1))
 all='plate-impact cu-polycrystal hmx-powder shear-band granular-shear spall phase-front sliding-block heat-rod
-    shear-box cantilever brazilian notched-plate biaxial'
+    shear-box cantilever brazilian notched-plate biaxial drum'
 runs=$(mktemp -d)
 trap 'rm -rf "$runs"' EXIT
 mkdir -p "$to/gallery"
@@ -78,6 +78,7 @@ draw()
         snapshot gallery/brazilian-split 8400 -c links
         ;;
     notched-plate) snapshot gallery/notched-plate 2425 -c stress-yy ;;
+    drum) snapshot gallery/drum 13884 -c velocity ;;
     heat-rod) chart gallery/heat-rod profile-rod --x x --y temperature --by time ;;
     shear-box)
         chart gallery/shear-box-force history --x time --y lid_fy --dashed lid_fx
