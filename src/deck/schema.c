@@ -60,9 +60,11 @@ static const struct deck_key start_keys[] = {
     {"time", VALUE_CHOICE, 1, PLAIN, ANY, .choices = "zero|keep", .initial = "zero",
      .offset = offsetof(struct config, start.time),
      .meaning = "do steps and time begin at 0, or go on from those of the state"},
-    {"links", VALUE_CHOICE, 1, PLAIN, ANY, .choices = "keep|none", .initial = "keep",
+    {"links", VALUE_CHOICE, 1, PLAIN, ANY, .choices = "keep|none|form", .initial = "keep",
      .offset = offsetof(struct config, start.links),
-     .meaning = "do the links of the state last, or does none"},
+     .meaning =
+         "do the links of the state last, does none, or do new ones form, without force, where a new body "
+         "would have some"},
 };
 
 static const struct deck_key material_keys[] = {

@@ -100,7 +100,7 @@ static void take_element(const struct renumbering *r, struct element *e)
         memset(e->strain, 0, sizeof e->strain);
     if (!m->has_damping)
         e->damped = 0.0;
-    if (c->start.links == START_WITHOUT_LINKS)
+    if (c->start.links != START_KEEP_LINKS)
         e->bonds = 0;
 }
 
@@ -131,7 +131,7 @@ static enum dm2_status take_pairs(const struct renumbering *r, struct stage_reco
         char text[RECORD_FAULT_TEXT];
         if (a == s->n_elements || b == s->n_elements)
             continue;
-        if (r->m->config->start.links == START_WITHOUT_LINKS && p.linked != 0) {
+        if (r->m->config->start.links != START_KEEP_LINKS && p.linked != 0) {
             p.linked = 0;
             p.stretch = p.spring = 0.0;
         }
@@ -304,6 +304,8 @@ enum dm2_status stage_begin(const struct model *model, const struct start_source
         take_elements(&r, records);
         status = take_pairs(&r, records, err);
     }
+    if (status == DM2_OK && model->config->start.links == START_FORM_LINKS)
+        status = stage_form_links(model, records, err);
     if (status == DM2_OK && (!take_homes(&r, records) || !take_bodies(&r, records)))
         status = no_memory(records->n_elements, err);
     if (status == DM2_OK)

@@ -128,6 +128,86 @@ static enum dm2_status append_records(const struct model *m, const struct subdom
     return DM2_OK;
 }
 
+/* --- links --- */
+
+static bool comes_before(const struct pair_record *a, const struct pair_record *b)
+{
+    return a->id_a != b->id_a ? a->id_a < b->id_a : a->id_b < b->id_b;
+}
+
+/* Gives a link the stretch with which it has no force at its present length. */
+static void relax_link(const struct model *m, const struct stage_records *s, struct pair_record *p)
+{
+    const struct period period = period_of(&m->grid);
+    const struct element *a = &s->elements[element_find(s->elements, s->n_elements, p->id_a)],
+                         *b = &s->elements[element_find(s->elements, s->n_elements, p->id_b)];
+    double dx = period_nearest(a->r[0] - b->r[0], period.size[0], period.half[0]),
+           dy = period_nearest(a->r[1] - b->r[1], period.size[1], period.half[1]);
+    p->stretch = sqrt(dx * dx + dy * dy) - (a->radius + b->radius);
+}
+
+/* Adds the links to the pairs of the state, in order; a link replaces what its pair had. */
+static enum dm2_status merge_links(const struct model *m, struct stage_records *s,
+                                   const struct pair_record *links, size_t n, struct dm2_error *err)
+{
+    struct pair_record *all = mem_alloc(s->n_pairs + n, sizeof *all);
+    size_t used = 0, old = 0;
+    if (all == NULL)
+        return no_memory(s->n_elements, err);
+    for (size_t k = 0; k < n; k++) {
+        while (old < s->n_pairs && comes_before(&s->pairs[old], &links[k]))
+            all[used++] = s->pairs[old++];
+        old += old < s->n_pairs && !comes_before(&links[k], &s->pairs[old]);
+        all[used] = links[k];
+        relax_link(m, s, &all[used++]);
+    }
+    while (old < s->n_pairs)
+        all[used++] = s->pairs[old++];
+    free(s->pairs);
+    s->pairs = all;
+    s->n_pairs = used;
+    return DM2_OK;
+}
+
+/* Takes the links of a subdomain that has the elements of the state. */
+static enum dm2_status take_links(const struct model *m, const struct subdomain *sd, struct stage_records *s,
+                                  struct dm2_error *err)
+{
+    size_t n = 0;
+    struct pair_record *links = NULL;
+    struct element *linked = mem_alloc(s->n_elements, sizeof *linked);
+    enum dm2_status status =
+        linked == NULL ? no_memory(s->n_elements, err) : subdomain_collect(sd, linked, NULL, err);
+    for (size_t k = 0; k < s->n_elements && status == DM2_OK; k++)
+        s->elements[k].bonds = linked[k].bonds;
+    free(linked);
+    if (status == DM2_OK)
+        status = subdomain_collect_pairs(sd, &links, &n, err);
+    if (status == DM2_OK)
+        status = merge_links(m, s, links, n, err);
+    free(links);
+    return status;
+}
+
+enum dm2_status stage_form_links(const struct model *model, struct stage_records *records,
+                                 struct dm2_error *err)
+{
+    const struct grid *g = &model->grid;
+    uint16_t *owner = mem_zalloc((size_t)g->cx * (size_t)g->cy, sizeof *owner);
+    if (owner == NULL)
+        return no_memory(records->n_elements, err);
+    const struct domain_map map = {.grid = g, .ranks = 1, .owner = owner};
+    struct subdomain *sd = NULL;
+    enum dm2_status status = subdomain_link(model, &map, 0, records->elements, records->n_elements, &sd, err);
+    if (status == DM2_OK)
+        status = take_links(model, sd, records, err);
+    subdomain_free(sd);
+    free(owner);
+    return status;
+}
+
+/* --- all new elements --- */
+
 enum dm2_status stage_add_new(const struct model *model, struct stage_records *records, struct dm2_error *err)
 {
     const struct grid *g = &model->grid;

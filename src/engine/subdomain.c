@@ -132,6 +132,27 @@ enum dm2_status subdomain_create(const struct model *model, const struct domain_
     return DM2_OK;
 }
 
+enum dm2_status subdomain_link(const struct model *model, const struct domain_map *map, int rank,
+                               const struct element *elements, size_t n, struct subdomain **out,
+                               struct dm2_error *err)
+{
+    enum dm2_status status = open_subdomain(model, map, rank, model->config->n_start, out, err);
+    struct chooser chosen = {.sd = *out};
+    for (size_t k = 0; k < n && status == DM2_OK; k++)
+        status = choose_element(&chosen, &elements[k], err);
+    if (status == DM2_OK)
+        status = place_chosen(*out, &chosen, NULL, true, err);
+    free(chosen.own.item);
+    free(chosen.mirrors.item);
+    if (status != DM2_OK) {
+        subdomain_free(*out);
+        *out = NULL;
+        return status;
+    }
+    count_bonds(*out);
+    return DM2_OK;
+}
+
 enum dm2_status subdomain_restore(const struct model *model, const struct domain_map *map, int rank,
                                   const struct state_view *state, struct subdomain **out,
                                   struct dm2_error *err)

@@ -69,3 +69,15 @@ for name in top_y top_fy; do
     is=$(column whole/history.csv "^$name" 2)
     [ "$was" = "$is" ] || fail "$name was $was at the end, is $is at the start"
 done
+
+# The packed grains become a rock: no link has a force at first, and then the rock stays as it is.
+sed -e 's/start {.*/start { state = "pack.run\/final.dm2"; without = lid; velocity = zero; links = form }/' \
+    -e '/^body lid/d' -e '/^load/d' -e '/^probe top/d' -e 's/velocity = 0.004 0//' shear.dm2 >rock.dm2
+printf 'interface grain { linked = yes }\ninterface body { linked = yes }\n' >>rock.dm2
+expect_status 0 "$seq" rock.dm2 -q
+expect_status 0 "$client" rock.dm2 -n 3 -q -o rock3
+same_bytes rock.run/final.dm2 rock3/final.dm2
+links=$(column rock.run/history.csv '^links' 2)
+[ "$links" -gt 150 ] || fail "only $links links formed"
+awk -F, 'NR == 2 { exit !($3 == 0 && $4 < 1e-20 && $5 == 0) }' rock.run/history.csv ||
+    fail 'the rock begins with a force'

@@ -62,8 +62,7 @@ static struct loaded load_stage(const char *rest, const struct start_wall *floor
                    "material tin { rho0 = 7; c0 = 0.35; s = 1.4; cp = 2e-6 }\n"
                    "interaction { mu = 0.5 }\n%s\n",
                    rest);
-    struct deck_source source = {
-        .texts = mem_zalloc(1, sizeof *source.texts), .n_texts = 1, .steps = -1};
+    struct deck_source source = {.texts = mem_zalloc(1, sizeof *source.texts), .n_texts = 1, .steps = -1};
     source.texts[0] = (struct deck_text){text_join("deck", "", ""), text_join(text, "", ""), strlen(text)};
     write_text(&w, floor);
     CHECK_EQ_INT(deck_source_begin(&source, (const char *)w.data, w.length, NULL), DM2_OK);
@@ -126,6 +125,7 @@ TEST(a_meaning_has_its_state)
         {"start { velocity = zero }\n" TAKEN, "`velocity` of start was keep, is zero"},
         {"start { time = keep }\n" TAKEN, "`time` of start was zero, is keep"},
         {"start { links = none }\n" TAKEN, "`links` of start was keep, is none"},
+        {"start { links = form }\n" TAKEN, "`links` of start was keep, is form"},
         {"start { without = floor }\nbody sand { from = state }\nbody lid { from = state }\n",
          "`without` of start was not given, is floor"},
         {"start { without = lid }\nbody sand { from = state }\nbody lid { shape = rectangle 2 7 8 8; spacing "

@@ -287,7 +287,7 @@ struct output_config {
 
 enum start_velocity { START_KEEP_VELOCITY, START_AT_REST };
 enum start_time { START_AT_ZERO, START_KEEP_TIME };
-enum start_links { START_KEEP_LINKS, START_WITHOUT_LINKS };
+enum start_links { START_KEEP_LINKS, START_WITHOUT_LINKS, START_FORM_LINKS };
 
 /* start { ... }: the run begins from a state of another deck. */
 enum { START_DIGEST = 65 }; /* bytes of a SHA-256 as a text */

@@ -52,6 +52,11 @@ struct subdomain;
 enum dm2_status subdomain_create(const struct model *model, const struct domain_map *map, int rank,
                                  struct subdomain **out, struct dm2_error *err);
 
+/* The same with n given elements of a whole system in place of those that the deck makes. */
+enum dm2_status subdomain_link(const struct model *model, const struct domain_map *map, int rank,
+                               const struct element *elements, size_t n, struct subdomain **out,
+                               struct dm2_error *err);
+
 /* The same from the records of a state, arrays in any order. state->elements hold at least all elements that
  * `rank` owns or mirrors, pairs at least all pairs with memory and an owned element, sections at least all
  * records of owned elements and of the run; others are ignored. */
