@@ -19,6 +19,7 @@ struct renumbering {
     const struct model *m;
     const struct start_source *from;
     uint16_t *body, *kind;
+    int probe[REGION_MAX]; /* of each bit of a region's probe: the bit in the state that stays; -1: none */
 };
 
 static enum dm2_status no_memory(size_t n, struct dm2_error *err)
@@ -48,6 +49,31 @@ static bool number_anew(struct renumbering *r)
                 r->kind[k] = (uint16_t)i;
     }
     return true;
+}
+
+/* A region keeps its elements where time goes on and the probe is the one of the state. */
+static void number_probes(struct renumbering *r)
+{
+    const struct config *before = &r->from->before, *c = r->m->config;
+    for (int k = 0; k < REGION_MAX; k++)
+        r->probe[k] = -1;
+    for (size_t i = 0; i < c->n_probes && c->start.time == START_KEEP_TIME; i++)
+        for (size_t k = 0; k < before->n_probes; k++) {
+            const struct probe_config *is = &c->probes[i], *was = &before->probes[k];
+            if (is->mover < 0 && was->mover < 0 && strcmp(is->name, was->name) == 0 &&
+                memcmp(is->box, was->box, sizeof is->box) == 0)
+                r->probe[is->bit] = was->bit;
+        }
+}
+
+/* The probes of an element that was in the probes `was`. */
+static uint8_t take_probes(const struct renumbering *r, const struct element *e, uint8_t was, double spacing)
+{
+    unsigned mask = generate_probes(r->m->config, e->r, spacing);
+    for (int k = 0; k < REGION_MAX; k++)
+        if (r->probe[k] >= 0)
+            mask = (mask & ~(1u << k)) | (was >> r->probe[k] & 1u) << k;
+    return (uint8_t)mask;
 }
 
 /* --- elements --- */
@@ -87,7 +113,7 @@ static void take_element(const struct renumbering *r, struct element *e)
     e->body = r->body[e->body];
     const struct body_config *body = &c->bodies[e->body];
     e->flags = body->motion == MOTION_FREE ? 0 : ELEMENT_FIXED_MOTION;
-    e->probes = generate_probes(c, e->r, body->spacing);
+    e->probes = take_probes(r, e, e->probes, body->spacing);
     if (m->placed[e->body])
         for (int a = 0; a < 2; a++)
             e->home[a] = e->r[a] + (double)e->image[a] * c->size[a] - body->start.centroid[a];
@@ -301,6 +327,7 @@ enum dm2_status stage_begin(const struct model *model, const struct start_source
     struct renumbering r = {.m = model, .from = from};
     enum dm2_status status = number_anew(&r) ? DM2_OK : no_memory(records->n_elements, err);
     if (status == DM2_OK) {
+        number_probes(&r);
         take_elements(&r, records);
         status = take_pairs(&r, records, err);
     }

@@ -14,6 +14,7 @@ material Cu { rho0 = 8.93; c0 = 0.394; s = 1.489; shear = 0.477; yield = 0.0012;
 interaction { zeta = 0.1; mu = 0.2 }
 output { history_every = 10; checkpoint_every = 20; strain = yes }
 wall floor { line = 0.2 0.15 1.8 0.15; material = Cu }
+probe face { region = 0.9 0 1 1.6 }
 END
 cat >one.dm2 <<'END'
 include "common.dm2"
