@@ -18,17 +18,18 @@
  *
  * Sections come in this order; the first four are always there, the others only where they have records:
  *
- *   TEXT  1 byte each         the deck's meaning (deck/meaning.h)
- *   NAME  64 bytes each       u8 sort (0 kind, 1 body, 2 wall, 3 load), 63 bytes name, filled up with NUL:
- * the names in the order of their numbers, sorts ascending ELEM  162 bytes each      ids ascending: u32 id,
- * grain; u16 body, kind; u8 flags, probes; f64 radius, mass, r[2], v[2], w, heat, p, work, strain[3]; u16
- * bonds, was; f64 share[2], moved; i32 image[2]; f64 damped PAIR  25 bytes each       (id_a, id_b) ascending:
- *                             u32 id_a, id_b; u8 linked; f64 stretch, spring
- *   HOME  20 bytes each       ids ascending: u32 id; f64 home[2]
- *   BODY  218 bytes each      movers ascending: u16 mover; f64 displacement[2], velocity[2], centroid[2],
- *                             integral[2], angle, spin; of the last evaluation, then of the one before, 4
- * sums (i64, u64) force[2], touched[2]; u32 contacts[2] WCON  17 bytes each       (id, feature) ascending:
- * u32 id, feature; i8 sign; f64 spring
+ *   TEXT  1 byte each      the deck's meaning (deck/meaning.h)
+ *   NAME  64 bytes each    u8 sort (0 kind, 1 body, 2 wall, 3 load), 63 bytes name, filled up with
+ *                          NUL: the names in the order of their numbers, sorts ascending
+ *   ELEM  162 bytes each   ids ascending: u32 id, grain; u16 body, kind; u8 flags, probes; f64 radius,
+ *                          mass, r[2], v[2], w, heat, p, work, strain[3]; u16 bonds, was;
+ *                          f64 share[2], moved; i32 image[2]; f64 damped
+ *   PAIR  25 bytes each    (id_a, id_b) ascending: u32 id_a, id_b; u8 linked; f64 stretch, spring
+ *   HOME  20 bytes each    ids ascending: u32 id; f64 home[2]
+ *   BODY  218 bytes each   movers ascending: u16 mover; f64 displacement[2], velocity[2],
+ *                          centroid[2], integral[2], angle, spin; of the last evaluation, then of the
+ *                          one before: 4 sums (i64, u64) force[2], touched[2]; u32 contacts[2]
+ *   WCON  17 bytes each    (id, feature) ascending: u32 id, feature; i8 sign; f64 spring
  */
 #ifndef DM2_OUTPUT_STATE_H
 #define DM2_OUTPUT_STATE_H
