@@ -303,8 +303,8 @@ static enum dm2_status fill_forced(struct model *m, const struct body_extents *x
         struct forced_body *body = get_forced(m, x, load->mover);
         if (body == NULL)
             return config_fail(load->mass_place, err, DM2_DECK,
-                               "load '%s': at most %d bodies move by forces or stresses", load->name,
-                               FORCED_MAX);
+                               "load '%s': at most %d bodies and walls move by forces or stresses",
+                               load->name, FORCED_MAX);
         int axis = load->quantity == LOAD_FORCE_Y || load->quantity == LOAD_STRESS_YY;
         enum dm2_status status = fill_axis(m, x, load->mover, axis, load, &body->axis[axis], err);
         if (status != DM2_OK)

@@ -73,3 +73,11 @@ sed 's/stress_yy = 0 us -0.0005/stress_yy = 0 us 0.5/; s/max_velocity = 0.003/ma
 expect_status 1 "$DM2_BIN/dm2-seq" away.dm2 -o away
 expect_text err "load 'press' has moved 'lid' by 0."
 expect_text err "further beyond the domain than the domain is long"
+
+# One more than can move by forces.
+(cat deck.dm2 && for k in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17; do
+    echo "wall w$k { line = 0.1 0.1, 0.2 0.1; rigid = yes }"
+    echo "load l$k { body = w$k; force_x = 0 1e-4, 1 1e-4 }"
+done) >many.dm2
+expect_status 2 "$DM2_BIN/dm2-seq" many.dm2 --check
+expect_text err 'at most 16 bodies and walls move by forces or stresses'
