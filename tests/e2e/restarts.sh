@@ -13,6 +13,7 @@ small()
 {
     case $1 in
     granular-shear) echo '-D solid=0.6' ;;
+    biaxial) echo '-D columns=12' ;;
     lj-lattice) echo '-D n=400' ;;
     timing) echo '-D n=400' ;;
     esac
