@@ -256,6 +256,10 @@ static bool measure_element(const struct model *m, const struct particles *p, si
     if (!m->has_far && !(p->flags[i] & ELEMENT_FIXED_MOTION)) {
         double fx = k->force[0] + mass * m->config->gravity[0],
                fy = k->force[1] + mass * m->config->gravity[1];
+        if (drive != NULL && drive->pushed) {
+            fx += mass * drive->a[0];
+            fy += mass * drive->a[1];
+        }
         fits &= exact_add(&out->resultants, sqrt(fx * fx + fy * fy), s->force);
         out->free_elements++;
     }

@@ -20,12 +20,13 @@ static struct measures measure(struct engine *g)
     return m;
 }
 
-static struct measures two_discs(const char *pull)
+/* pull: the gravity; load: a block that acts on the free disc. */
+static struct measures two_discs(const char *pull, const char *load)
 {
-    char text[sizeof TWO + 60];
+    char text[sizeof TWO + 160];
     const char *at = strstr(TWO, "PULL");
     struct engine g;
-    snprintf(text, sizeof text, "%.*s%s%s", (int)(at - TWO), TWO, pull, at + 4);
+    snprintf(text, sizeof text, "%.*s%s%s%s", (int)(at - TWO), TWO, pull, at + 4, load);
     engine_start(&g, text, NULL, 1);
     struct measures m = measure(&g);
     double fabric[3];
@@ -43,10 +44,15 @@ static struct measures two_discs(const char *pull)
 
 TEST(two_discs_along_a_line)
 {
-    CHECK_NEAR(two_discs("0 0").dt_share, 1, 1e-10);
+    CHECK_NEAR(two_discs("0 0", "").dt_share, 1, 1e-10);
     /* the weight of the free disc is the force, or half of it */
-    CHECK_NEAR(two_discs("-0.6*0.0075 -0.8*0.0075").dt_share, 0, 1e-10);
-    CHECK_NEAR(two_discs("-0.6*0.00375 -0.8*0.00375").dt_share, 0.5, 1e-10);
+    CHECK_NEAR(two_discs("-0.6*0.0075 -0.8*0.0075", "").dt_share, 0, 1e-10);
+    CHECK_NEAR(two_discs("-0.6*0.00375 -0.8*0.00375", "").dt_share, 0.5, 1e-10);
+    /* a load's acceleration balances as the weight does */
+    CHECK_NEAR(two_discs("0 0", "load push { body = ball; acceleration_x = 0 -0.0045, 1 -0.0045;\n"
+                                "  acceleration_y = 0 -0.006, 1 -0.006 }\n")
+                   .dt_share,
+               0, 1e-10);
 }
 
 /* A lattice: all pairs within and between its bodies count once, whoever owns them. */

@@ -35,6 +35,7 @@ static struct snapshot make_snapshot(struct fake *f, struct snapshot_walls *wall
 static void read_back(const struct snapshot *s, struct vtp *out)
 {
     struct dm2_error err = {0};
+    scratch_begin();
     CHECK_EQ_INT(snapshot_write_vtp(scratch_path("w.vtp"), s, &err), DM2_OK);
     enum dm2_status status = vtp_read(scratch_path("w.vtp"), out, &err);
     CHECK_REPORT(status == DM2_OK, "%s", err.text);
