@@ -1,5 +1,6 @@
-# A drum of 155 discs: the angle of the centre of mass, the same for a circle and for 90 chords but for slides;
-# the torque on the wall is the moment of the weight, and its work; the energy book. Same bytes for 3 servers.
+# A drum of 155 discs: the angle of the centre of mass, the same for a circle and for 90 chords but for
+# slides; the torque on the wall is the moment of the weight, and its work; the energy book. Same bytes for
+# 3 servers.
 # labels: e2e
 # timeout: 60
 . "$DM2_SRC/tests/lib.sh"

@@ -235,8 +235,10 @@ sed -n '/^until dm2-client/,/^done/p' "$DM2_SRC/docs/reliability.md" >loop
 expect_status 0 env PATH="$DM2_BIN:$PATH" sh loop
 same_run whole r.run
 
+sed 's/steps = 400/steps = 4000/; s/snapshot_every = 110/snapshot_every = 1100/' deck.dm2 >long.dm2
+expect_status 0 "$seq" long.dm2 -q -o straight
 want=${TERMS:-10} terms=0 early=0 rounds=0
-# moment N: seconds until the Nth signal.
+# moment N: seconds until the Nth signal; a whole run takes some 0.2 s.
 moment()
 {
     awk -v n="$1" 'BEGIN { srand(n * 7919); rand(); printf "%.3f", 0.1 * rand() }'
@@ -244,15 +246,16 @@ moment()
 while [ $terms -lt "$want" ]; do
     rm -rf cut
     rounds=$((rounds + 1))
+    [ $rounds -le $((20 + want)) ] || fail "$terms signals in $rounds runs: the run is too short"
     got=4
     while [ $got -eq 4 ]; do
         case $((terms % 3)) in
         0) set -- "$client" -n 2 ;;
         *) set -- "$seq" ;;
         esac
-        "$@" deck.dm2 -q -o cut --restart auto 2>err &
+        "$@" long.dm2 -q -o cut --restart auto 2>err &
         pid=$!
-        sleep "$(moment $((terms + early)))"
+        sleep "$(moment $((terms + early + rounds)))"
         kill -TERM $pid 2>kill.err
         got=0
         wait $pid || got=$?
@@ -266,6 +269,6 @@ while [ $terms -lt "$want" ]; do
             fail "status $got after $terms signals"
         fi
     done
-    same_run whole cut
+    same_run straight cut
 done
 echo "$terms signals in $rounds runs, $early more before main"
