@@ -266,7 +266,7 @@ static const struct block solid[] = {{"domain", "", domain},
                                      {"stop", "", rest},
                                      {"profile", "across", profile},
                                      {"output", "", output}};
-/* Walls cannot be beside phases. */
+/* A deck of walls and loads. */
 static const struct entry open_domain[] = {{"size", "6 cm, 4 cm", "60 mm 4", NULL, 0},
                                            {"boundary", "free free", "free free", NULL, 0},
                                            {"r_c", "0.125 cm", "1.25 mm", NULL, 0},
