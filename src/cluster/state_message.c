@@ -72,7 +72,7 @@ void message_get_state(struct bytes_reader *r, struct state_message *m)
         if (r->failed)
             return;
         n[part] = (size_t)head.records;
-        total += head.records * head.bytes; /* at most 7 products below 2^40 */
+        total += head.records * head.bytes; /* at most 8 products below 2^40 */
     }
     m->n_elements = n[PART_ELEM];
     m->n_pairs = n[PART_PAIR];
