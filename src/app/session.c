@@ -103,15 +103,35 @@ static void print_advice(const struct run_options *o, const struct results *resu
     free(command);
 }
 
+/* " -o DIRECTORY" for a shell: where the state is, if the command line does not name the directory itself.
+ * NULL without memory. */
+static char *find_place(const struct run_options *o)
+{
+    struct bytes_writer w = {0};
+    char *directory = is_beside_state(o) ? run_directory_of(o->restart) : NULL;
+    if (directory != NULL) {
+        put(&w, " -o ");
+        put_quoted(&w, directory);
+    }
+    w.failed |= is_beside_state(o) && directory == NULL;
+    free(directory);
+    return end_text(&w);
+}
+
 void session_explain(const struct run_options *o, enum dm2_status status, struct dm2_error *err)
 {
     struct dm2_error why = *err;
     if (status != DM2_INTERRUPTED || o->check)
         return;
-    char *directory = is_beside_state(o) ? run_directory_of(o->restart) : NULL;
-    (void)dm2_fail(err, status, "%.350s; the same command with --restart auto%s%.100s goes on", why.text,
-                   directory == NULL ? "" : " -o ", directory == NULL ? "" : directory);
-    free(directory);
+    char *place = find_place(o);
+    static const char advice[] = "; the same command with --restart auto";
+    size_t room = sizeof err->text - sizeof advice - sizeof " goes on" - strlen(why.text);
+    if (place == NULL || strlen(why.text) > 350 || strlen(place) >= room) /* half a name is another name */
+        (void)dm2_fail(err, status, "%.350s%s, and -o with the directory of the state, goes on", why.text,
+                       advice);
+    else
+        (void)dm2_fail(err, status, "%s%s%s goes on", why.text, advice, place);
+    free(place);
 }
 
 /* --- run.log --- */

@@ -60,6 +60,7 @@ interrupted()
     [ ! -f cut/history.csv ] || fail "half a history has the final name"
 }
 interrupted "$seq"
+cp -R cut ended
 expect_status 0 "$client" deck.dm2 -n 2 -q --restart cut/checkpoint.dm2
 same_run whole cut
 interrupted "$client" -n 2
@@ -73,6 +74,32 @@ expect_status 0 sh again.sh
 expect_text out ' on 2 servers in '
 same_run whole cut
 same_bytes whole/snapshots/series.pvd cut/snapshots/series.pvd
+
+# ended_in DIR: a run that goes on from DIR/checkpoint.dm2 without -o is asked to end.
+ended_in()
+{
+    cp -R ended "$1"
+    rm -f hashes
+    mkfifo hashes
+    "$seq" deck.dm2 -q --steps 100000 --restart "$1/checkpoint.dm2" --hash-every 1 >hashes 2>err &
+    pid=$!
+    exec 4<hashes
+    IFS= read -r line <&4
+    kill -TERM $pid
+    cat <&4 >/dev/null
+    exec 4<&-
+    got=0
+    wait $pid || got=$?
+    [ $got -eq 4 ] || fail "status $got: $(cat err)"
+}
+long=$(printf '%0120d' 0)
+ended_in "$long"
+expect_text err "the same command with --restart auto -o $long goes on"
+ended_in 'my runs'
+expect_text err "the same command with --restart auto -o 'my runs' goes on"
+mkdir -p "$long.1/$long.2/$long.3/$long.4/$long.5"
+ended_in "$long.1/$long.2/$long.3/$long.4/$long.5/run"
+expect_text err 'the same command with --restart auto, and -o with the directory of the state, goes on'
 
 # Checkpoints that cannot be used.
 cp -r whole bad
