@@ -152,6 +152,12 @@ static enum dm2_status count_cracks(const struct resume *r, const char *path, co
         status = csv_numbers(&row, step, &steps, err);
         if (status == DM2_OK)
             status = csv_numbers(&row, links, &before, err);
+        if (status == DM2_OK && !(*before >= 0.0 && *before <= 0x1p53))
+            status =
+                dm2_fail(err, DM2_PROTOCOL,
+                         "%s: its first row has %g links, which is no count: bring the tables of the run "
+                         "directory along with its checkpoint",
+                         path, *before);
         if (status == DM2_OK)
             *count = (struct crack_count){.from = (int64_t)*steps, .rows = (int64_t)*before - r->links};
     }

@@ -62,6 +62,14 @@ for directory in gone short; do
     expect_text err ' links broke after step 0 and before step 250, as history.csv and the state say'
     (cd $directory && cksum * 2>/dev/null) | cmp - before || fail "$directory was touched"
 done
+for links in 1e+300 -1 nan; do
+    rm -rf short
+    cp -R cut short
+    awk -F, -v OFS=, -v n=$links 'NR == 1 { for (k = 1; k <= NF; k++) if ($k == "links") at = k }
+        NR == 2 { $at = n } { print }' cut/history.csv >short/history.csv
+    expect_status 3 "$DM2_BIN/dm2-seq" tear.dm2 -q -o short --restart auto
+    expect_text err "short/history.csv: its first row has $links links"
+done
 expect_status 0 "$DM2_BIN/dm2-seq" tear.dm2 -D v=0 -D j=0 -q -o cut --overwrite
 [ ! -e cut/cracks.csv ] || fail "a run without a crack has the table: $(cat cut/cracks.csv)"
 
