@@ -9,6 +9,7 @@
 
 #include "dm2/base/csv.h"
 #include "dm2/base/mem.h"
+#include "lex.h"
 #include "source.h"
 
 struct load_block load_block_start(void)
@@ -174,15 +175,28 @@ static bool heading_unit(struct table *t, const char *heading, const struct deck
     return false;
 }
 
+/* The field without the blanks before and behind it: its beginning, and its length in *length. */
+static const char *trimmed(const char *field, size_t *length)
+{
+    static const char blanks[] = " \t";
+    field += strspn(field, blanks);
+    size_t n = strlen(field);
+    while (n > 0 && strchr(blanks, field[n - 1]) != NULL)
+        n--;
+    *length = n;
+    return field;
+}
+
 static bool read_field(struct table *t, const struct deck_key *key, size_t row, size_t column,
                        const struct unit *unit, double *out)
 {
-    const char *field = csv_field(&t->csv, row, column), *digits = field;
+    size_t length;
+    const char *field = trimmed(csv_field(&t->csv, row, column), &length);
     double value;
-    bool number = number_parse(field, strlen(field), &value) && isfinite(value);
-    bool minus = *digits == '-';
-    digits += *digits == '-' || *digits == '+' ? 1 : 0;
-    value = number ? unit_value(digits, strlen(digits), *unit) : value;
+    bool number = number_parse(field, length, &value) && isfinite(value);
+    bool minus = *field == '-';
+    size_t sign = minus || *field == '+' ? 1 : 0;
+    value = number ? unit_value(field + sign, length - sign, *unit) : value;
     value = minus ? -value : value;
     if (!number || !isfinite(value)) {
         findings_error(t->b->findings, line_place(t, t->csv.lines[row]),
@@ -199,10 +213,16 @@ static bool read_field(struct table *t, const struct deck_key *key, size_t row, 
     return true;
 }
 
-/* Is the heading this name, with or without a unit? */
+/* Is the heading this name, with or without a unit behind it? */
 static bool is_headed(const char *heading, const char *name)
 {
-    size_t n = strcspn(heading, "[");
+    size_t all, n;
+    heading = trimmed(heading, &all);
+    const char *close = strchr(heading, ']');
+    if (close != NULL && close + 1 != heading + all)
+        return false;
+    n = strcspn(heading, "[");
+    n = n < all ? n : all;
     while (n > 0 && heading[n - 1] == ' ')
         n--;
     return strlen(name) == n && memcmp(heading, name, n) == 0;
@@ -224,8 +244,8 @@ static bool find_columns(struct table *t, size_t columns[LOAD_QUANTITIES + 1])
     for (size_t q = 0; q <= LOAD_QUANTITIES; q++)
         columns[q] = t->csv.n_columns;
     for (size_t c = 0; c < t->csv.n_columns; c++) {
-        const char *heading = csv_heading(&t->csv, c);
-        size_t q = 0;
+        size_t length, q = 0;
+        const char *heading = trimmed(csv_heading(&t->csv, c), &length);
         while (q <= LOAD_QUANTITIES && !is_headed(heading, column_name(NULL, q)))
             q++;
         if (q > LOAD_QUANTITIES || columns[q] < t->csv.n_columns) {
@@ -282,6 +302,8 @@ static bool open_table(struct table *t)
             place_text(source, t->name, &shown));
         return false;
     }
+    if (!lex_check_ascii(t->b->findings, t->text))
+        return false;
     const struct deck_text *text = &source->texts[t->text];
     if (csv_parse(text->name, text->text, text->length, &t->csv, &err) == DM2_OK)
         return true;

@@ -188,35 +188,56 @@ static uint32_t code_point(const char *text, size_t n)
 }
 
 /* Reports a character outside ASCII: by name where a lookalike of ASCII is known, else as such. */
-static void report_character(const struct lexer *lex, struct deck_place all)
+static void report_character(struct findings *findings, struct deck_place all)
 {
-    uint32_t code = code_point(lex->text + all.offset, all.length);
+    const char *bytes = findings->source->texts[all.text].text + all.offset;
+    uint32_t code = code_point(bytes, all.length);
     struct place_text text;
     for (size_t k = 0; k < sizeof lookalikes / sizeof lookalikes[0]; k++)
         if (lookalikes[k].code == code) {
-            findings_error(lex->findings, all, "%s (U+%04X) is no part of a deck: %s", lookalikes[k].name,
+            findings_error(findings, all, "%s (U+%04X) is no part of a deck: %s", lookalikes[k].name,
                            (unsigned)code, lookalikes[k].remedy);
             return;
         }
     if (code >= 0x2000 && code <= 0x200a)
-        findings_error(lex->findings, all, "a typographic space (U+%04X): put an ordinary blank",
-                       (unsigned)code);
+        findings_error(findings, all, "a typographic space (U+%04X): put an ordinary blank", (unsigned)code);
     else if (code == 0)
-        findings_error(lex->findings, all,
+        findings_error(findings, all,
                        "a byte %02X (hexadecimal) that is no UTF-8: save the file as plain text, UTF-8",
-                       (unsigned char)lex->text[all.offset]);
+                       (unsigned char)bytes[0]);
     else
-        findings_error(lex->findings, all,
+        findings_error(findings, all,
                        "outside comments and strings a deck is plain ASCII, without '%s' (U+%04X)",
-                       place_text(lex->findings->source, all, &text), (unsigned)code);
+                       place_text(findings->source, all, &text), (unsigned)code);
+}
+
+/* The end of the character at text[from]: behind the bytes of UTF-8 that continue it. */
+static size_t character_end(const char *text, size_t length, size_t from)
+{
+    size_t to = from + 1;
+    unsigned char c = (unsigned char)text[from];
+    while (to < length && to < from + 4 && ((unsigned char)text[to] & 0xc0u) == 0x80u && c >= 0xc0)
+        to++;
+    return to;
+}
+
+bool lex_check_ascii(struct findings *findings, int text)
+{
+    const struct deck_text *t = &findings->source->texts[text];
+    size_t from = 0;
+    while (from < t->length && (unsigned char)t->text[from] < 0x80)
+        from++;
+    if (from == t->length)
+        return true;
+    size_t to = character_end(t->text, t->length, from);
+    report_character(findings, (struct deck_place){text, from, to - from});
+    return false;
 }
 
 static bool lex_bad_byte(struct lexer *lex)
 {
-    size_t from = lex->at, to = from + 1;
+    size_t from = lex->at, to = character_end(lex->text, lex->length, from);
     unsigned char c = (unsigned char)lex->text[from];
-    while (to < lex->length && to < from + 4 && ((unsigned char)lex->text[to] & 0xc0u) == 0x80u && c >= 0xc0)
-        to++;
     struct deck_place all = place_of(lex, from, to);
     if (lex->bad_byte_reported)
         return push_token(lex, TOKEN_BAD, from, to);
@@ -226,7 +247,7 @@ static bool lex_bad_byte(struct lexer *lex)
     else if (c < 0x20 || c == 0x7f)
         findings_error(lex->findings, all, "a control character (code %d) is no part of a deck", c);
     else if (c >= 0x80)
-        report_character(lex, all);
+        report_character(lex->findings, all);
     else
         findings_error(lex->findings, all, "'%c' has no meaning in a deck", c);
     return push_token(lex, TOKEN_BAD, from, to);

@@ -38,4 +38,7 @@ enum { DECK_MAX_TOKENS = 4000000, DECK_MAX_NUMBER = 100 };
 bool deck_lex(const char *text, size_t length, int text_index, size_t *budget, struct tokens *out,
               struct findings *findings);
 
+/* Is texts[text] of findings->source plain ASCII? False: a finding names its first character that is not. */
+bool lex_check_ascii(struct findings *findings, int text);
+
 #endif

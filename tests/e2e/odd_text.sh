@@ -61,6 +61,34 @@ deck | sed 's/./&\x00/g' | told utf16 'the file is UTF-16: save it as plain text
 { printf '\377\376'; deck; } | told utf16-mark 'the file is UTF-16'
 [ "$(wc -l <err)" -eq 1 ] || fail "more than one line about UTF-16: $(cat err)"
 
+# The table of a load is text of the deck: a byte order mark, line ends of CR alone, blanks around fields are
+# read; the first character outside ASCII is told by name, and text behind a unit is no heading.
+{ deck | sed 's/material = Cu }/material = Cu; motion = driven }/'; echo \
+    'load l { body = b; file = "l.csv" }'; } >load.dm2
+printf 'time [us],velocity_x [km/s]\n0,0\n1,-0.5\n' >l.csv
+expect_status 0 "$seq" load.dm2 -q -o load
+for text in '\357\273\277time [us],velocity_x [km/s]\n0,0\n1,-0.5\n' \
+    'time [us],velocity_x [km/s]\r0,0\r1,-0.5\r' ' time [us] ,\tvelocity_x [km/s]\n0, 0\n 1 ,\t-0.5 \r\n'; do
+    printf "$text" >l.csv
+    expect_status 0 "$seq" load.dm2 -q --overwrite -o load.2
+    same_bytes load/final.dm2 load.2/final.dm2
+done
+# table PLACE TEXT BYTES: the table of these bytes, for printf, is wrong at this line and column.
+table()
+{
+    printf "$3" >l.csv
+    expect_status 2 "$seq" load.dm2 -q -o no
+    expect_text err "l.csv:$1: error: $2"
+}
+table 1:5 'a no-break space (U+00A0)' 'time\302\240[us],velocity_x\n0,0\n1,0\n'
+table 2:3 'a no-break space (U+00A0)' 'time,velocity_x\n0,\302\2400\n1,0\n'
+table 3:3 'a minus sign (U+2212)' 'time,velocity_x\n0,0\n1,\342\210\2220.5\n'
+table 1:7 'a micro sign (U+00B5)' 'time [\302\265s],velocity_x\n0,0\n1,0\n'
+table 3:3 'a byte E9 (hexadecimal) that is no UTF-8' 'time,velocity_x\n0,0\n1,\351\n'
+table 1:1 "the column 'time [us];velocity_x [km/s]'" 'time [us];velocity_x [km/s]\n0;0\n1;1\n'
+table 1:1 "the column 'time [us] s'" 'time [us] s,velocity_x\n0,0\n1,0\n'
+table 3:1 "'' in the column 'velocity_x' is no number" 'time,velocity_x\n0,0\n1, \n'
+
 # 9e8 cells for thirty elements: told before the memory is taken, and by --check as well.
 sed 's/domain.*/let n = 1000\ndomain { size = n*0.111 cm, n*0.111 cm; r_c = 0.1 cm; delta_r = 0.01 cm }/' \
     good.dm2 >cells.dm2
