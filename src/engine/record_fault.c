@@ -345,9 +345,6 @@ void record_describe_fault(const struct element_field *fault, const struct eleme
     (void)check_field(fault, e, limits, text);
 }
 
-/* In r_c: a spring that never slips grows with the way of its contact points, turn by turn of a wheel. */
-#define SPRING_MOST 0x1p30
-
 bool record_pair_valid(const struct pair_record *p, const struct record_limits *limits,
                        char text[RECORD_FAULT_TEXT])
 {
@@ -357,7 +354,7 @@ bool record_pair_valid(const struct pair_record *p, const struct record_limits *
         const char *name = k == 0 ? "stretch" : "spring";
         if (!isfinite(x[k]))
             return refuse(text, "has a number that is not finite: %s %g", name, x[k]);
-        double times = k == 0 ? 1.0 : SPRING_MOST;
+        double times = k == 0 ? 1.0 : RECORD_SPRING_MOST;
         if (m != NULL && !(fabs(x[k]) < times * m->config->r_c))
             return refuse(text, "has %s %g cm, below %s%g cm either way is expected", name, x[k],
                           k == 0 ? "r_c = " : "2^30 r_c = ", times * m->config->r_c);

@@ -12,6 +12,8 @@
 #include <string.h>
 
 #include "dm2/base/mem.h"
+#include "forced.h"
+#include "tables.h"
 
 /* Writes the text, unless `text` is NULL; false. */
 __attribute__((format(printf, 2, 3))) static bool refuse(char *text, const char *format, ...)
@@ -121,6 +123,49 @@ static int compare_body(const void *a, const void *b)
     return compare_u32(((const struct body_record *)a)->mover, ((const struct body_record *)b)->mover);
 }
 
+/* Along an axis with a load a displacement is below 2^30 domains and a velocity below a domain per step;
+ * along an axis without one all is 0. */
+static bool axis_valid(const struct body_record *b, const struct forced_body *forced, const struct config *c,
+                       int a, char *text)
+{
+    char axis = a == 0 ? 'x' : 'y';
+    bool none = forced->axis[a].load == NULL;
+    double most = none ? 0.0 : 0x1p30 * c->size[a], fastest = none ? 0.0 : c->size[a] / c->dt;
+    if (!(fabs(b->displacement[a]) <= most))
+        return refuse(text, "has displacement %g cm along %c for body or wall %u, at most %g is expected",
+                      b->displacement[a], axis, b->mover, most);
+    if (!(fabs(b->velocity[a]) <= fastest))
+        return refuse(text, "has velocity %g cm/us along %c for body or wall %u, at most %g is expected",
+                      b->velocity[a], axis, b->mover, fastest);
+    if (none && b->integral[a] != 0.0)
+        return refuse(text, "has integral %g along %c for body or wall %u, which has no load there",
+                      b->integral[a], axis, b->mover);
+    return true;
+}
+
+/* What a record says beside the deck: a body or wall under force, which does not turn. */
+static bool body_fits(const struct body_record *b, const struct record_limits *limits, char *text)
+{
+    const struct model *m = limits->model;
+    const struct forced_body *forced =
+        m->forced_of == NULL || m->forced_of[b->mover] == 0 ? NULL : &m->forced[m->forced_of[b->mover] - 1];
+    if (forced == NULL)
+        return refuse(text, "names body or wall %u, which no force moves", b->mover);
+    if (b->angle != 0.0 || b->spin != 0.0)
+        return refuse(text, "has angle %g, spin %g for body or wall %u, which does not turn", b->angle,
+                      b->spin, b->mover);
+    const double *centroid = b->mover < m->config->n_bodies ? &m->centroids[2 * b->mover] : (double[2]){0, 0};
+    if (memcmp(centroid, b->centroid, sizeof b->centroid) != 0)
+        return refuse(text, "has centroid %g %g cm for body or wall %u, %g %g is expected", b->centroid[0],
+                      b->centroid[1], b->mover, centroid[0], centroid[1]);
+    for (int n = 0; n < 2; n++)
+        if (b->contacts[n] > RECORD_CONTACTS_MOST * limits->elements)
+            return refuse(text,
+                          "has %" PRIu32 " contacts for body or wall %u, at most %d per element are expected",
+                          b->contacts[n], b->mover, RECORD_CONTACTS_MOST);
+    return axis_valid(b, forced, m->config, 0, text) && axis_valid(b, forced, m->config, 1, text);
+}
+
 static bool body_valid(const void *record, const struct record_limits *limits, char *text)
 {
     const struct body_record *b = record;
@@ -130,7 +175,7 @@ static bool body_valid(const void *record, const struct record_limits *limits, c
     if (limits != NULL && b->mover >= limits->movers)
         return refuse(text, "names body or wall %u, counted from 0; the deck has %zu", b->mover,
                       limits->movers);
-    return true;
+    return limits == NULL || limits->model == NULL || body_fits(b, limits, text);
 }
 
 /* --- WCON --- */
@@ -166,6 +211,10 @@ static bool wall_contact_valid(const void *record, const struct record_limits *l
     const struct wall_contact *c = record;
     if (!isfinite(c->spring))
         return refuse(text, "has a number that is not finite for element %" PRIu32, c->id);
+    if (limits != NULL && limits->model != NULL &&
+        !(fabs(c->spring) < RECORD_SPRING_MOST * limits->model->config->r_c))
+        return refuse(text, "has spring %g cm for element %" PRIu32 ", below 2^30 r_c = %g cm is expected",
+                      c->spring, c->id, RECORD_SPRING_MOST * limits->model->config->r_c);
     if (c->sign == 0)
         return refuse(text, "has a sign that is neither 1 nor -1 for element %" PRIu32, c->id);
     if (limits != NULL && c->feature >= limits->features)

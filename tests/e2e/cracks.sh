@@ -73,8 +73,8 @@ done
 expect_status 0 "$DM2_BIN/dm2-seq" tear.dm2 -D v=0 -D j=0 -q -o cut --overwrite
 [ ! -e cut/cracks.csv ] || fail "a run without a crack has the table: $(cat cut/cracks.csv)"
 
-# A local server is killed: the client goes back to a copy, and no row is doubled. The hashes of 3000 steps are
-# more than a fifo holds, so that the run waits for its reader.
+# A local server is killed: the client goes back to a copy, and no row is doubled. The hashes of 3000 steps
+# are more than a fifo holds, so that the run waits for its reader.
 expect_status 0 "$DM2_BIN/dm2-seq" tear.dm2 -q -o far --steps 3000
 mkfifo hashes
 "$DM2_BIN/dm2-client" tear.dm2 -n 3 -o lost --steps 3000 --hash-every 1 --copy-every 25 \

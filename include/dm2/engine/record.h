@@ -94,6 +94,13 @@ enum { RECORD_FAULT_TEXT = 160 };
 void record_describe_fault(const struct element_field *fault, const struct element *e,
                            const struct record_limits *limits, char text[RECORD_FAULT_TEXT]);
 
+/* Of the springs of records, in r_c: a spring that never slips grows with the way of its contact points, turn
+ * by turn of a wheel. */
+#define RECORD_SPRING_MOST 0x1p30
+
+/* Contacts per element of the run, far more than fit around an element. */
+enum { RECORD_CONTACTS_MOST = 64 };
+
 /* Is the pair valid by itself: ids in order and below limits->elements, linked 0 or 1, stretch and spring
  * finite and, by the deck, below r_c, the spring below 2^30 r_c? Where not, and text is not NULL, *text is
  * the end of a sentence that begins with the pair. */
