@@ -108,6 +108,24 @@ static void count_bonds(struct subdomain *sd)
     }
 }
 
+/* Places the chosen elements of a new subdomain, after a status of DM2_OK, and frees the lists of the choice.
+ * After a failure *out is freed, too. */
+static enum dm2_status begin_chosen(enum dm2_status status, struct chooser *chosen, struct subdomain **out,
+                                    struct dm2_error *err)
+{
+    if (status == DM2_OK)
+        status = place_chosen(*out, chosen, NULL, true, err);
+    free(chosen->own.item);
+    free(chosen->mirrors.item);
+    if (status != DM2_OK) {
+        subdomain_free(*out);
+        *out = NULL;
+        return status;
+    }
+    count_bonds(*out);
+    return DM2_OK;
+}
+
 enum dm2_status subdomain_create(const struct model *model, const struct domain_map *map, int rank,
                                  struct subdomain **out, struct dm2_error *err)
 {
@@ -118,18 +136,10 @@ enum dm2_status subdomain_create(const struct model *model, const struct domain_
         status = subdomain_no_memory(*out, err);
     if (status == DM2_OK)
         status = generate_elements(model, choose_element, &chosen, err);
+    status = begin_chosen(status, &chosen, out, err);
     if (status == DM2_OK)
-        status = place_chosen(*out, &chosen, NULL, true, err);
-    free(chosen.own.item);
-    free(chosen.mirrors.item);
-    if (status != DM2_OK) {
-        subdomain_free(*out);
-        *out = NULL;
-        return status;
-    }
-    count_bonds(*out);
-    (*out)->times.rebuild += clock_now() - started;
-    return DM2_OK;
+        (*out)->times.rebuild += clock_now() - started;
+    return status;
 }
 
 enum dm2_status subdomain_link(const struct model *model, const struct domain_map *map, int rank,
@@ -140,17 +150,7 @@ enum dm2_status subdomain_link(const struct model *model, const struct domain_ma
     struct chooser chosen = {.sd = *out};
     for (size_t k = 0; k < n && status == DM2_OK; k++)
         status = choose_element(&chosen, &elements[k], err);
-    if (status == DM2_OK)
-        status = place_chosen(*out, &chosen, NULL, true, err);
-    free(chosen.own.item);
-    free(chosen.mirrors.item);
-    if (status != DM2_OK) {
-        subdomain_free(*out);
-        *out = NULL;
-        return status;
-    }
-    count_bonds(*out);
-    return DM2_OK;
+    return begin_chosen(status, &chosen, out, err);
 }
 
 enum dm2_status subdomain_restore(const struct model *model, const struct domain_map *map, int rank,
