@@ -36,8 +36,7 @@ struct record_limits record_limits_of(const struct model *model)
                                   .model = model};
 }
 
-/* Writes the text, unless `text` is NULL; false. */
-__attribute__((format(printf, 2, 3))) static bool refuse(char *text, const char *format, ...)
+bool record_refuse(char *text, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
@@ -62,14 +61,14 @@ static bool check_doubles(const struct element_field *f, const struct element *e
     const double *x = (const double *)(const void *)((const unsigned char *)e + f->offset);
     for (int c = 0; c < f->count; c++) {
         if (!isfinite(x[c]))
-            return refuse(text, "has a number that is not finite: %s %g", f->name, x[c]);
+            return record_refuse(text, "has a number that is not finite: %s %g", f->name, x[c]);
         if ((f->rule == RULE_RADIUS || f->rule == RULE_MASS) && !(x[c] > 0))
-            return refuse(text, "has a radius or a mass that is not positive: %s %g", f->name, x[c]);
+            return record_refuse(text, "has a radius or a mass that is not positive: %s %g", f->name, x[c]);
         if (f->rule == RULE_FRACTION && !(x[c] >= 0 && x[c] <= 1))
-            return refuse(text, "has %s %g, 0 to 1 is expected", f->name, x[c]);
+            return record_refuse(text, "has %s %g, 0 to 1 is expected", f->name, x[c]);
     }
     if (f->rule == RULE_FRACTION && !(x[0] + x[1] <= 1))
-        return refuse(text, "has %s %g and %g, a sum of at most 1 is expected", f->name, x[0], x[1]);
+        return record_refuse(text, "has %s %g and %g, a sum of at most 1 is expected", f->name, x[0], x[1]);
     return true;
 }
 
@@ -77,12 +76,12 @@ static bool check_image(const struct element *e, const struct record_limits *lim
 {
     for (int a = 0; a < 2; a++) {
         if (e->image[a] > IMAGE_MOST || e->image[a] < -IMAGE_MOST)
-            return refuse(text, "has image %" PRId32 " in %c, at most 2^30 either way is expected",
-                          e->image[a], "xy"[a]);
+            return record_refuse(text, "has image %" PRId32 " in %c, at most 2^30 either way is expected",
+                                 e->image[a], "xy"[a]);
         if (limits != NULL && !limits->periodic[a] && e->image[a] != 0)
-            return refuse(text,
-                          "has image %" PRId32 " in %c, 0 is expected: the domain is not periodic there",
-                          e->image[a], "xy"[a]);
+            return record_refuse(
+                text, "has image %" PRId32 " in %c, 0 is expected: the domain is not periodic there",
+                e->image[a], "xy"[a]);
     }
     return true;
 }
@@ -101,22 +100,22 @@ static bool check_integer(const struct element_field *f, const struct element *e
 {
     uint32_t value = integer_of(f, e);
     if (f->rule == RULE_FLAGS && (value & ~(uint32_t)ELEMENT_FIXED_MOTION) != 0)
-        return refuse(
+        return record_refuse(
             text, "has a flag that this program does not know: flags %" PRIu32 ", 0 or 1 is expected", value);
     if (limits == NULL)
         return true;
     if (f->rule == RULE_PROBES && value >> limits->probes != 0)
-        return refuse(text, "belongs to probe %d, counted from 0; the deck has %zu", highest_bit(value),
-                      limits->probes);
+        return record_refuse(text, "belongs to probe %d, counted from 0; the deck has %zu",
+                             highest_bit(value), limits->probes);
     if (f->rule == RULE_ID && value >= limits->elements)
-        return refuse(text, "is none of the %zu elements that the deck makes", limits->elements);
+        return record_refuse(text, "is none of the %zu elements that the deck makes", limits->elements);
     size_t most = f->rule == RULE_BODY ? limits->bodies : limits->kinds;
     if ((f->rule == RULE_BODY || f->rule == RULE_KIND) && value >= most)
-        return refuse(text,
-                      "is of a body or a kind that the deck does not have: %s %" PRIu32
-                      ", counted from 0; the deck "
-                      "has %zu",
-                      f->name, value, most);
+        return record_refuse(text,
+                             "is of a body or a kind that the deck does not have: %s %" PRIu32
+                             ", counted from 0; the deck "
+                             "has %zu",
+                             f->name, value, most);
     return true;
 }
 
@@ -155,8 +154,8 @@ static bool check_grain(const struct model *m, const struct element *e, char *te
         return true;
     if (e->grain >= start && k < m->n_grains && m->grain_first[k] <= e->id && e->id < m->grain_first[k + 1])
         return true;
-    return refuse(text, "has grain %" PRIu32 ", %zu is expected", e->grain,
-                  start + find_range(m->grain_first, m->n_grains, e->id));
+    return record_refuse(text, "has grain %" PRIu32 ", %zu is expected", e->grain,
+                         start + find_range(m->grain_first, m->n_grains, e->id));
 }
 
 static bool check_body(const struct model *m, const struct element *e, char *text)
@@ -165,12 +164,12 @@ static bool check_body(const struct model *m, const struct element *e, char *tex
     if (m->bodies[e->body].first <= e->id && e->id < m->bodies[e->body].end)
         return !body->from_state ||
                (e->grain >= body->start.grain_first && e->grain < body->start.grain_end) ||
-               refuse(text, "has grain %" PRIu32 ", %" PRIu32 " to %" PRIu32 " is expected", e->grain,
-                      body->start.grain_first, body->start.grain_end - 1);
+               record_refuse(text, "has grain %" PRIu32 ", %" PRIu32 " to %" PRIu32 " is expected", e->grain,
+                             body->start.grain_first, body->start.grain_end - 1);
     for (size_t b = 0; b < m->config->n_bodies; b++)
         if (m->bodies[b].first <= e->id && e->id < m->bodies[b].end)
-            return refuse(text, "has body %u, %zu is expected", e->body, b);
-    return refuse(text, "has body %u, and its id is of no body", e->body);
+            return record_refuse(text, "has body %u, %zu is expected", e->body, b);
+    return record_refuse(text, "has body %u, and its id is of no body", e->body);
 }
 
 static bool check_kind(const struct model *m, const struct element *e, const char *name, uint16_t kind,
@@ -180,9 +179,9 @@ static bool check_kind(const struct model *m, const struct element *e, const cha
     int material = material_of(m, e);
     if (kind_may_become(m, material, kind))
         return true;
-    return refuse(text, "has %s %u, '%.40s': a kind that its material '%.40s' can become is expected", name,
-                  kind, config_kind_name(m->config, kind, &is),
-                  config_kind_name(m->config, (size_t)material, &made));
+    return record_refuse(text, "has %s %u, '%.40s': a kind that its material '%.40s' can become is expected",
+                         name, kind, config_kind_name(m->config, kind, &is),
+                         config_kind_name(m->config, (size_t)material, &made));
 }
 
 /* Changes of phase multiply the radius by ratios of sizes, each rounded. */
@@ -201,13 +200,14 @@ static bool check_radius(const struct model *m, const struct element *e, char *t
         if (m->kinds[k].material == material && is_radius(e->radius, expected * m->kinds[k].size))
             return true;
     return is_radius(e->radius, expected) ||
-           refuse(text, "has radius %.10g cm, %.10g is expected", e->radius, expected);
+           record_refuse(text, "has radius %.10g cm, %.10g is expected", e->radius, expected);
 }
 
 static bool check_mass(const struct model *m, const struct element *e, char *text)
 {
     double expected = kind_mass(&m->config->materials[material_of(m, e)], body_of(m, e)->radius);
-    return e->mass == expected || refuse(text, "has mass %.17g g, %.17g is expected", e->mass, expected);
+    return e->mass == expected ||
+           record_refuse(text, "has mass %.17g g, %.17g is expected", e->mass, expected);
 }
 
 static bool check_shares(const struct model *m, const struct element *e, char *text)
@@ -215,9 +215,9 @@ static bool check_shares(const struct model *m, const struct element *e, char *t
     int material = material_of(m, e);
     for (int a = 0; a < 2; a++)
         if (e->share[a] > 0 && !(m->reaction.any && material == m->reaction.reactant[a]))
-            return refuse(text,
-                          "has share %g of reactant %d, 0 is expected: the element did not start with it",
-                          e->share[a], a + 1);
+            return record_refuse(
+                text, "has share %g of reactant %d, 0 is expected: the element did not start with it",
+                e->share[a], a + 1);
     return true;
 }
 
@@ -237,7 +237,7 @@ static bool check_bonds(const struct model *m, const struct element *e, char *te
     double most = m->has_near ? (double)m->n_elements - 1.0 : 0.0;
     if (e->bonds > 64) /* more than that need elements of several sizes */
         most = fmin(most, floor(find_room(m)));
-    return e->bonds <= most || refuse(text, "has bonds %u, at most %.0f is expected", e->bonds, most);
+    return e->bonds <= most || record_refuse(text, "has bonds %u, at most %.0f is expected", e->bonds, most);
 }
 
 /* --- what steps can make --- */
@@ -247,9 +247,9 @@ static bool check_place(const struct model *m, const struct element *e, char *te
     for (int a = 0; a < 2; a++) {
         double low = m->grid.origin[a], high = low + m->grid.size[a];
         if (m->grid.periodic[a] && !(e->r[a] >= low && e->r[a] < high))
-            return refuse(text,
-                          "has r %.17g cm in %c, %g <= r < %g is expected: the domain is periodic there",
-                          e->r[a], "xy"[a], low, high);
+            return record_refuse(
+                text, "has r %.17g cm in %c, %g <= r < %g is expected: the domain is periodic there", e->r[a],
+                "xy"[a], low, high);
     }
     return true;
 }
@@ -259,8 +259,8 @@ static bool check_speed(const struct model *m, const struct element *e, char *te
 {
     double edge = m->grid.lx < m->grid.ly ? m->grid.lx : m->grid.ly, most = edge / m->config->dt;
     return e->v[0] * e->v[0] + e->v[1] * e->v[1] < most * most ||
-           refuse(text, "has v (%g, %g) cm/us, a speed below %g, a cell edge per step, is expected", e->v[0],
-                  e->v[1], most);
+           record_refuse(text, "has v (%g, %g) cm/us, a speed below %g, a cell edge per step, is expected",
+                         e->v[0], e->v[1], most);
 }
 
 /* Can the sums of the history hold this energy? */
@@ -268,7 +268,7 @@ static bool check_energy(const struct model *m, const char *name, double value, 
 {
     struct exact_sum sum = {0};
     return exact_add(&sum, energy, m->scales.energy) ||
-           refuse(text, "has %s %g, beyond the energies that a run can hold", name, value);
+           record_refuse(text, "has %s %g, beyond the energies that a run can hold", name, value);
 }
 
 static bool check_deck(const struct element_field *f, const struct element *e, const struct model *m,
@@ -284,13 +284,13 @@ static bool check_deck(const struct element_field *f, const struct element *e, c
     case RULE_KIND:
         if (f->offset == offsetof(struct element, was) && !m->has_kinds) /* the engine has no array for it */
             return e->was == 0 ||
-                   refuse(text, "has was %u, 0 is expected: no kind of the deck changes", e->was);
+                   record_refuse(text, "has was %u, 0 is expected: no kind of the deck changes", e->was);
         return check_kind(m, e, f->name, (uint16_t)integer_of(f, e), text);
     case RULE_FLAGS: {
         unsigned expected = body_of(m, e)->motion == MOTION_FREE ? 0 : ELEMENT_FIXED_MOTION;
         return e->flags == expected ||
-               refuse(text, "has flags %u, %u is expected by the motion of the body '%.40s'", e->flags,
-                      expected, body_of(m, e)->name);
+               record_refuse(text, "has flags %u, %u is expected by the motion of the body '%.40s'", e->flags,
+                             expected, body_of(m, e)->name);
     }
     case RULE_RADIUS:
         return check_radius(m, e, text);
@@ -310,7 +310,7 @@ static bool check_deck(const struct element_field *f, const struct element *e, c
     case RULE_ENERGY:
         if (f->offset == offsetof(struct element, damped) && !m->has_damping)
             return e->damped == 0.0 ||
-                   refuse(text, "has damped %g, 0 is expected: the deck has no damping", e->damped);
+                   record_refuse(text, "has damped %g, 0 is expected: the deck has no damping", e->damped);
         return check_energy(m, f->name, *x, *x, text);
     case RULE_BONDS:
         return check_bonds(m, e, text);
@@ -353,19 +353,20 @@ bool record_pair_valid(const struct pair_record *p, const struct record_limits *
     for (int k = 0; k < 2; k++) {
         const char *name = k == 0 ? "stretch" : "spring";
         if (!isfinite(x[k]))
-            return refuse(text, "has a number that is not finite: %s %g", name, x[k]);
+            return record_refuse(text, "has a number that is not finite: %s %g", name, x[k]);
         double times = k == 0 ? 1.0 : RECORD_SPRING_MOST;
         if (m != NULL && !(fabs(x[k]) < times * m->config->r_c))
-            return refuse(text, "has %s %g cm, below %s%g cm either way is expected", name, x[k],
-                          k == 0 ? "r_c = " : "2^30 r_c = ", times * m->config->r_c);
+            return record_refuse(text, "has %s %g cm, below %s%g cm either way is expected", name, x[k],
+                                 k == 0 ? "r_c = " : "2^30 r_c = ", times * m->config->r_c);
     }
     if (p->linked > 1)
-        return refuse(text, "is neither linked nor not linked: linked %" PRIu32 ", 0 or 1 is expected",
-                      p->linked);
+        return record_refuse(text, "is neither linked nor not linked: linked %" PRIu32 ", 0 or 1 is expected",
+                             p->linked);
     if (p->id_a >= p->id_b)
-        return refuse(text, "does not name its lower element first");
+        return record_refuse(text, "does not name its lower element first");
     if (limits != NULL && p->id_b >= limits->elements)
-        return refuse(text, "names an element that is none of the %zu that the deck makes", limits->elements);
+        return record_refuse(text, "names an element that is none of the %zu that the deck makes",
+                             limits->elements);
     return true;
 }
 
@@ -402,6 +403,6 @@ bool record_pair_reaches(const struct element *a, const struct element *b, const
         if (r2 <= most * most)
             return true;
     }
-    return refuse(text, "has elements %g cm apart, at most %g is expected where they touch or are linked",
-                  apart, most);
+    return record_refuse(
+        text, "has elements %g cm apart, at most %g is expected where they touch or are linked", apart, most);
 }

@@ -6,7 +6,6 @@
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,17 +13,6 @@
 #include "dm2/base/mem.h"
 #include "forced.h"
 #include "tables.h"
-
-/* Writes the text, unless `text` is NULL; false. */
-__attribute__((format(printf, 2, 3))) static bool refuse(char *text, const char *format, ...)
-{
-    va_list args;
-    va_start(args, format);
-    if (text != NULL)
-        (void)vsnprintf(text, RECORD_FAULT_TEXT, format, args);
-    va_end(args);
-    return false;
-}
 
 static bool are_finite(const double *x, size_t n)
 {
@@ -42,8 +30,8 @@ static int compare_u32(uint32_t a, uint32_t b)
 static bool element_valid(uint32_t id, const struct record_limits *limits, char *text)
 {
     if (limits != NULL && id >= limits->elements)
-        return refuse(text, "names element %" PRIu32 ", which is none of the %zu that the deck makes", id,
-                      limits->elements);
+        return record_refuse(text, "names element %" PRIu32 ", which is none of the %zu that the deck makes",
+                             id, limits->elements);
     return true;
 }
 
@@ -72,7 +60,7 @@ static bool home_valid(const void *record, const struct record_limits *limits, c
 {
     const struct home_record *h = record;
     if (!are_finite(h->home, 2))
-        return refuse(text, "has a number that is not finite for element %" PRIu32, h->id);
+        return record_refuse(text, "has a number that is not finite for element %" PRIu32, h->id);
     return element_valid(h->id, limits, text);
 }
 
@@ -132,14 +120,16 @@ static bool axis_valid(const struct body_record *b, const struct forced_body *fo
     bool none = forced->axis[a].load == NULL;
     double most = none ? 0.0 : 0x1p30 * c->size[a], fastest = none ? 0.0 : c->size[a] / c->dt;
     if (!(fabs(b->displacement[a]) <= most))
-        return refuse(text, "has displacement %g cm along %c for body or wall %u, at most %g is expected",
-                      b->displacement[a], axis, b->mover, most);
+        return record_refuse(text,
+                             "has displacement %g cm along %c for body or wall %u, at most %g is expected",
+                             b->displacement[a], axis, b->mover, most);
     if (!(fabs(b->velocity[a]) <= fastest))
-        return refuse(text, "has velocity %g cm/us along %c for body or wall %u, at most %g is expected",
-                      b->velocity[a], axis, b->mover, fastest);
+        return record_refuse(text,
+                             "has velocity %g cm/us along %c for body or wall %u, at most %g is expected",
+                             b->velocity[a], axis, b->mover, fastest);
     if (none && b->integral[a] != 0.0)
-        return refuse(text, "has integral %g along %c for body or wall %u, which has no load there",
-                      b->integral[a], axis, b->mover);
+        return record_refuse(text, "has integral %g along %c for body or wall %u, which has no load there",
+                             b->integral[a], axis, b->mover);
     return true;
 }
 
@@ -150,19 +140,19 @@ static bool body_fits(const struct body_record *b, const struct record_limits *l
     const struct forced_body *forced =
         m->forced_of == NULL || m->forced_of[b->mover] == 0 ? NULL : &m->forced[m->forced_of[b->mover] - 1];
     if (forced == NULL)
-        return refuse(text, "names body or wall %u, which no force moves", b->mover);
+        return record_refuse(text, "names body or wall %u, which no force moves", b->mover);
     if (b->angle != 0.0 || b->spin != 0.0)
-        return refuse(text, "has angle %g, spin %g for body or wall %u, which does not turn", b->angle,
-                      b->spin, b->mover);
+        return record_refuse(text, "has angle %g, spin %g for body or wall %u, which does not turn", b->angle,
+                             b->spin, b->mover);
     const double *centroid = b->mover < m->config->n_bodies ? &m->centroids[2 * b->mover] : (double[2]){0, 0};
     if (memcmp(centroid, b->centroid, sizeof b->centroid) != 0)
-        return refuse(text, "has centroid %g %g cm for body or wall %u, %g %g is expected", b->centroid[0],
-                      b->centroid[1], b->mover, centroid[0], centroid[1]);
+        return record_refuse(text, "has centroid %g %g cm for body or wall %u, %g %g is expected",
+                             b->centroid[0], b->centroid[1], b->mover, centroid[0], centroid[1]);
     for (int n = 0; n < 2; n++)
         if (b->contacts[n] > RECORD_CONTACTS_MOST * limits->elements)
-            return refuse(text,
-                          "has %" PRIu32 " contacts for body or wall %u, at most %d per element are expected",
-                          b->contacts[n], b->mover, RECORD_CONTACTS_MOST);
+            return record_refuse(
+                text, "has %" PRIu32 " contacts for body or wall %u, at most %d per element are expected",
+                b->contacts[n], b->mover, RECORD_CONTACTS_MOST);
     return axis_valid(b, forced, m->config, 0, text) && axis_valid(b, forced, m->config, 1, text);
 }
 
@@ -171,10 +161,10 @@ static bool body_valid(const void *record, const struct record_limits *limits, c
     const struct body_record *b = record;
     if (!are_finite(b->displacement, 2) || !are_finite(b->velocity, 2) || !are_finite(b->centroid, 2) ||
         !are_finite(b->integral, 2) || !isfinite(b->angle) || !isfinite(b->spin))
-        return refuse(text, "has a number that is not finite for body or wall %u", b->mover);
+        return record_refuse(text, "has a number that is not finite for body or wall %u", b->mover);
     if (limits != NULL && b->mover >= limits->movers)
-        return refuse(text, "names body or wall %u, counted from 0; the deck has %zu", b->mover,
-                      limits->movers);
+        return record_refuse(text, "names body or wall %u, counted from 0; the deck has %zu", b->mover,
+                             limits->movers);
     return limits == NULL || limits->model == NULL || body_fits(b, limits, text);
 }
 
@@ -210,16 +200,17 @@ static bool wall_contact_valid(const void *record, const struct record_limits *l
 {
     const struct wall_contact *c = record;
     if (!isfinite(c->spring))
-        return refuse(text, "has a number that is not finite for element %" PRIu32, c->id);
+        return record_refuse(text, "has a number that is not finite for element %" PRIu32, c->id);
     if (limits != NULL && limits->model != NULL &&
         !(fabs(c->spring) < RECORD_SPRING_MOST * limits->model->config->r_c))
-        return refuse(text, "has spring %g cm for element %" PRIu32 ", below 2^30 r_c = %g cm is expected",
-                      c->spring, c->id, RECORD_SPRING_MOST * limits->model->config->r_c);
+        return record_refuse(text,
+                             "has spring %g cm for element %" PRIu32 ", below 2^30 r_c = %g cm is expected",
+                             c->spring, c->id, RECORD_SPRING_MOST * limits->model->config->r_c);
     if (c->sign == 0)
-        return refuse(text, "has a sign that is neither 1 nor -1 for element %" PRIu32, c->id);
+        return record_refuse(text, "has a sign that is neither 1 nor -1 for element %" PRIu32, c->id);
     if (limits != NULL && c->feature >= limits->features)
-        return refuse(text, "names feature %" PRIu32 " of walls, counted from 0; the deck has %zu",
-                      c->feature, limits->features);
+        return record_refuse(text, "names feature %" PRIu32 " of walls, counted from 0; the deck has %zu",
+                             c->feature, limits->features);
     return element_valid(c->id, limits, text);
 }
 
@@ -261,10 +252,11 @@ static bool wall_force_valid(const void *record, const struct record_limits *lim
     const struct wall_force *f = record;
     if (!are_finite(f->foot, 2) || !are_finite(f->force, 2) || !isfinite(f->normal) ||
         !isfinite(f->tangential))
-        return refuse(text, "has a number that is not finite for element %" PRIu32, f->id);
+        return record_refuse(text, "has a number that is not finite for element %" PRIu32, f->id);
     if (limits != NULL && (f->feature >= limits->features || f->wall + limits->bodies >= limits->movers))
-        return refuse(text, "names feature %" PRIu32 " of wall %u, counted from 0; the deck has not both",
-                      f->feature, (unsigned)f->wall);
+        return record_refuse(text,
+                             "names feature %" PRIu32 " of wall %u, counted from 0; the deck has not both",
+                             f->feature, (unsigned)f->wall);
     return element_valid(f->id, limits, text);
 }
 

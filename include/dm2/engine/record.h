@@ -94,6 +94,10 @@ enum { RECORD_FAULT_TEXT = 160 };
 void record_describe_fault(const struct element_field *fault, const struct element *e,
                            const struct record_limits *limits, char text[RECORD_FAULT_TEXT]);
 
+/* Writes what is wrong with a record, unless `text` is NULL, at most RECORD_FAULT_TEXT bytes. Returns false.
+ */
+bool record_refuse(char *text, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
 /* Of the springs of records, in r_c: a spring that never slips grows with the way of its contact points, turn
  * by turn of a wheel. */
 #define RECORD_SPRING_MOST 0x1p30
